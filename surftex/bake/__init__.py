@@ -1,0 +1,1 @@
+"""Recipe to maps: the walk downhill, its report."""

@@ -1,0 +1,1 @@
+"""The room that owns UV: unwrap, gate, texels, gutter, seam measure."""

@@ -1,0 +1,1 @@
+"""Numbers at points: profiles, noise anchored on the surface, mask expressions, images on the surface."""

@@ -1,0 +1,82 @@
+"""Slices of a serial kernel over a few threads: same bytes for any number of them, with progress and cancel."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
+Tick = Callable[[float], None]
+"""Told the finished share of a piece of work, 0 to 1; may raise to cancel it."""
+
+
+def thread_count(threads: int | None) -> int:
+    """Resolve the number of threads to use.
+
+    Parameters
+    ----------
+    threads : int or None
+        None means every core this process may use.
+
+    Returns
+    -------
+    threads : int
+        At least 1.
+    """
+    return max(1, threads) if threads is not None else max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
+
+
+def slices(
+    work: Callable[[int, int], Result],
+    count: int,
+    *,
+    size: int,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> list[Result]:
+    """Call ``work(first, last)`` over [0, count) in slices of a fixed size.
+
+    Parameters
+    ----------
+    work : callable
+        Gets the slice [first, last); releases the interpreter lock; writes only what is its own.
+    count : int
+        Items of work in all.
+    size : int
+        Items in a slice. It must not depend on the number of threads, so that the results cannot.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share after each slice.
+
+    Returns
+    -------
+    results : list
+        One per slice, in the order of the slices.
+    """
+    firsts = range(0, count, size)
+    bounds = [(first, min(first + size, count)) for first in firsts]
+    workers = min(thread_count(threads), len(bounds))
+    if workers <= 1:
+        results = []
+        for i, (first, last) in enumerate(bounds):
+            results.append(work(first, last))
+            if tick:
+                tick((i + 1) / len(bounds))
+        return results
+    with ThreadPoolExecutor(workers) as pool:
+        futures = [pool.submit(work, first, last) for first, last in bounds]
+        try:
+            pending = set(futures)
+            while pending:
+                done, pending = wait(pending, return_when=FIRST_COMPLETED)
+                for future in done:
+                    future.result()
+                if tick:
+                    tick(1 - len(pending) / len(bounds))
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            raise
+        return [future.result() for future in futures]

@@ -1,0 +1,1 @@
+"""Layers to maps: height, tangent-space normal, colour, roughness, occlusion, displaced mesh."""

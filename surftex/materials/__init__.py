@@ -1,0 +1,1 @@
+"""One look per file: places features on a surface once, then answers for any sample."""

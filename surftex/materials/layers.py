@@ -1,0 +1,61 @@
+"""What a material answers: named channels, one number or colour per sample."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.surface.points import Samples
+
+CHANNELS = {
+    "height_mm": 1,
+    "base_color": 3,
+    "roughness": 1,
+    "specular": 1,
+    "metallic": 1,
+    "region": 1,
+}
+"""Channels that maps know, and how many numbers each has. Colour is linear sRGB; `region` is int32, -1 for none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layers:
+    """Channels at n samples.
+
+    Attributes
+    ----------
+    channels : mapping of str to (n,) or (n, 3) float32
+        `height_mm` above the surface, `base_color` linear, the rest 0 to 1; `region` is int32.
+    """
+
+    channels: Mapping[str, NDArray]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
+
+    def __getitem__(self, name: str) -> NDArray:
+        return self.channels[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.channels
+
+
+class Pattern(Protocol):
+    """Features placed on a surface; pure per sample, so tiles, sizes and unwraps cannot matter."""
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that `at` answers with."""
+        ...
+
+    @property
+    def features(self) -> "Mapping[str, np.ndarray]":
+        """Structured arrays of everything placed, by kind: `face`, `barycentric`, then parameters."""
+        ...
+
+    def at(self, samples: Samples) -> Layers:
+        """Evaluate at samples."""
+        ...

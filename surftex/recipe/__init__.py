@@ -1,0 +1,1 @@
+"""What a user writes: TOML, checked, each mistake located."""

@@ -1,0 +1,46 @@
+"""Lengths with units: everything inside surftex is a millimetre, everything a user types may say otherwise."""
+
+import re
+
+from surftex.errors import RecipeError
+
+MM_PER_UNIT = {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
+"""Millimetres in one of each unit that a recipe may name."""
+
+_LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Zµ]*)\s*")
+
+
+def length_mm(value: str | float | int) -> float:
+    """Read a length: a bare number is millimetres, text may carry a unit.
+
+    Parameters
+    ----------
+    value : str or float
+        For example ``0.9``, ``"0.9 mm"``, ``"2.5cm"`` or ``"1/1"`` (an error).
+
+    Returns
+    -------
+    length : float
+        Millimetres.
+
+    Raises
+    ------
+    RecipeError
+        If the text is no number, or its unit is unknown.
+
+    Examples
+    --------
+    >>> length_mm("2.5 cm")
+    25.0
+    """
+    if isinstance(value, bool):
+        raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")
+    if isinstance(value, (int, float)):
+        return float(value)
+    match = _LENGTH.fullmatch(value)
+    if not match:
+        raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")
+    unit = match[2] or "mm"
+    if unit not in MM_PER_UNIT:
+        raise RecipeError(f"{value!r}: unknown unit {unit!r}; known are {', '.join(MM_PER_UNIT)}")
+    return float(match[1]) * MM_PER_UNIT[unit]
