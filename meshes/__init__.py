@@ -1,0 +1,1 @@
+"""Generators of the meshes in this folder: `python -m meshes.make` writes every file again."""

@@ -1,0 +1,115 @@
+"""Polygons from functions: surface nets on a grid, evened out along the surface and pulled onto the zero set."""
+
+import numpy as np
+from scipy.sparse import coo_array
+
+
+def axis(*stops):
+    """Grid lines with the spacing changing from stop to stop: (place, spacing) pairs, ascending."""
+    lines = [stops[0][0]]
+    places = np.array([place for place, _ in stops], float)
+    spacings = np.array([spacing for _, spacing in stops], float)
+    while lines[-1] < places[-1]:
+        lines.append(lines[-1] + np.interp(lines[-1], places, spacings))
+    return np.array(lines)
+
+
+def evaluate(function, points, block=200_000):
+    return np.concatenate([function(points[i : i + block]) for i in range(0, len(points), block)])
+
+
+def surface_nets(function, xs, ys, zs):
+    """Quads, outward, around the solid where `function` is negative; one vertex per mixed cell."""
+    shape = (len(xs), len(ys), len(zs))
+    grid = np.stack(np.meshgrid(xs, ys, zs, indexing="ij"), axis=-1).reshape(-1, 3)
+    value = evaluate(function, grid).reshape(shape)
+    grid = grid.reshape(*shape, 3)
+    inside = value < 0
+    cells = tuple(n - 1 for n in shape)
+    total, count = np.zeros((*cells, 3)), np.zeros(cells)
+    quads = []
+    for along in range(3):
+        low = [slice(None)] * 3
+        high = [slice(None)] * 3
+        low[along], high[along] = slice(None, -1), slice(1, None)
+        a, b = value[tuple(low)], value[tuple(high)]
+        mixed = (a < 0) != (b < 0)
+        t = np.where(mixed, a / np.where(mixed, a - b, 1.0), 0.0)[..., None]
+        crossing = grid[tuple(low)] * (1 - t) + grid[tuple(high)] * t
+        u, v = (along + 1) % 3, (along + 2) % 3
+        for du in (0, 1):
+            for dv in (0, 1):
+                # The cell at (i - du, j - dv) has the grid edge (i, j) as one of its twelve.
+                source, target = [slice(None)] * 3, [slice(None)] * 3
+                source[u] = slice(1, None) if du else slice(None, -1)
+                source[v] = slice(1, None) if dv else slice(None, -1)
+                target[along] = slice(None)
+                total[tuple(target)] += (crossing * mixed[..., None])[tuple(source)]
+                count[tuple(target)] += mixed[tuple(source)]
+        where = np.argwhere(mixed)
+        keep = (where[:, u] > 0) & (where[:, u] < cells[u]) & (where[:, v] > 0) & (where[:, v] < cells[v])
+        if not keep.all():
+            raise ValueError("the solid touches the border of its grid")
+        corner = []
+        for du, dv in ((1, 1), (0, 1), (0, 0), (1, 0)):
+            cell = where.copy()
+            cell[:, u] -= du
+            cell[:, v] -= dv
+            corner.append(np.ravel_multi_index(cell.T, cells))
+        quad = np.stack(corner, axis=1)
+        outward = inside[tuple(low)][mixed]
+        quads.append(np.where(outward[:, None], quad, quad[:, ::-1]))
+    quads = np.concatenate(quads)
+    used, index = np.unique(quads, return_inverse=True)
+    points = (total.reshape(-1, 3)[used]) / count.reshape(-1)[used, None]
+    return points, index.reshape(-1, 4)
+
+
+def gradient(function, points, step=0.05):
+    result = np.zeros_like(points)
+    for i in range(3):
+        shift = np.zeros(3)
+        shift[i] = step
+        result[:, i] = (evaluate(function, points + shift) - evaluate(function, points - shift)) / (2 * step)
+    return result
+
+
+def pulled(function, points, most):
+    """One Newton step onto the zero set, at most `most` millimetres; with the unit normals."""
+    slope = gradient(function, points)
+    size2 = np.maximum((slope**2).sum(axis=1), 1e-6)
+    step = np.clip(evaluate(function, points) / np.sqrt(size2), -most, most)
+    normal = slope / np.sqrt(size2)[:, None]
+    return points - step[:, None] * normal, normal
+
+
+def neighbours(quads, count):
+    a = np.concatenate([quads.ravel(), np.roll(quads, -1, axis=1).ravel()])
+    b = np.concatenate([np.roll(quads, -1, axis=1).ravel(), quads.ravel()])
+    links = coo_array((np.ones(len(a)), (a, b)), shape=(count, count)).tocsr()
+    links.data[:] = 1.0
+    return links, links.sum(axis=1)[:, None]
+
+
+def triangles(points, quads):
+    """Cut each quad along its shorter diagonal."""
+    a, b, c, d = (points[quads[:, i]] for i in range(4))
+    first = ((a - c) ** 2).sum(axis=1) <= ((b - d) ** 2).sum(axis=1)
+    cut = np.where(
+        first[:, None], quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]]
+    )
+    return cut.reshape(-1, 3)
+
+
+def solid(function, xs, ys, zs, rounds=12, most=None):
+    """Triangles of the zero set: nets, then rounds of evening out along the surface, each followed by a pull."""
+    points, quads = surface_nets(function, xs, ys, zs)
+    most = most or 0.5 * float(np.diff(xs).min())
+    links, degree = neighbours(quads, len(points))
+    points, normal = pulled(function, points, most)
+    for _ in range(rounds):
+        move = (links @ points) / degree - points
+        move -= (move * normal).sum(axis=1, keepdims=True) * normal
+        points, normal = pulled(function, points + 0.6 * move, most)
+    points, _ = pulled(function, points, most)
+    return points, triangles(points, quads)
