@@ -1,0 +1,99 @@
+"""From the nearest sites to the plate a sample lies on: whose it is, how far out, how far from its border."""
+
+import math
+
+from surftex.kernels.jit import kernel
+
+
+@kernel
+def between_sites(start, other, length, first, second, otherwise):
+    """Distance between two sites from rows of neighbours (`other` ascends in each), or `otherwise`."""
+    low, last = start[first], start[first + 1]
+    high = last
+    while low < high:
+        middle = (low + high) // 2
+        if other[middle] < second:
+            low = middle + 1
+        else:
+            high = middle
+    if low < last and other[low] == second:
+        return length[low]
+    return otherwise
+
+
+@kernel
+def plates(
+    site, distance, start, other, length, shift, wave_a, wave_b, exponent, rounding_mm,
+    away, own, across, ratio, border_mm, own_mm,
+):  # fmt: skip
+    """Locate samples among Voronoi regions, whose borders may waver and whose corners may be round.
+
+    site (n, k) int32, -1 for none; distance (n, k) float64 mm, ascending, inf for none;
+    start (s+1,) int64, other (l,) int32, length (l,) float64 mm: distances between neighbour sites;
+    shift (s, 2) float64: how each site answers to the wavering; wave_a, wave_b (n,) float32 mm^2;
+    exponent: of the norm that rounds plates (inf: the polygon); rounding_mm: of the corners of borders, 0 for none;
+    away (k,) float64: scratch.
+    -> own (n,) int32 region, -1 for none; across (n,) int32 region beyond the nearest border, -1 for none;
+    ratio (n,) float32: 0 at the site, 1 on the border; border_mm (n,) float32, inf for none;
+    own_mm (n,) float32: distance to the own site.
+
+    With squared distances D to the own site i and to another j, and l between the sites, q = (D_i - D_j + l^2) / l^2
+    is 1 on the bisector, and (1 - q) l / 2 is the distance to the bisector (exact in the plane).
+    """
+    most = site.shape[1]
+    for sample in range(site.shape[0]):
+        own[sample] = -1
+        across[sample] = -1
+        ratio[sample] = 0.0
+        border_mm[sample] = math.inf
+        own_mm[sample] = math.inf
+        best = math.inf
+        slot = -1
+        count = 0
+        for k in range(most):
+            candidate = site[sample, k]
+            if candidate < 0:
+                break
+            count += 1
+            square = distance[sample, k] * distance[sample, k]
+            square += wave_a[sample] * shift[candidate, 0] + wave_b[sample] * shift[candidate, 1]
+            away[k] = square
+            if square < best:
+                best = square
+                slot = k
+        if slot < 0:
+            continue
+        here = site[sample, slot]
+        own[sample] = here
+        own_mm[sample] = distance[sample, slot]
+        total = 0.0
+        nearest = math.inf
+        for k in range(count):
+            if k == slot:
+                away[k] = math.inf
+                continue
+            candidate = site[sample, k]
+            apart = between_sites(
+                start, other, length, here, candidate, distance[sample, k] + distance[sample, slot]
+            )
+            if apart <= 0.0:
+                away[k] = math.inf
+                continue
+            q = (best - away[k]) / (apart * apart) + 1.0
+            if exponent == math.inf:
+                total = max(total, q)
+            elif q > 0.0:
+                total += q**exponent
+            away[k] = 0.5 * (1.0 - q) * apart
+            if away[k] < nearest:
+                nearest = away[k]
+                across[sample] = candidate
+        if across[sample] < 0:
+            continue
+        ratio[sample] = min(1.0, total if exponent == math.inf else total ** (1.0 / exponent))
+        if rounding_mm > 0.0:
+            crowd = 0.0
+            for k in range(count):
+                crowd += math.exp((nearest - away[k]) / rounding_mm)
+            nearest -= rounding_mm * math.log(crowd)
+        border_mm[sample] = max(0.0, nearest)

@@ -1,0 +1,195 @@
+"""`Leather`: what can be said about a leather. Lengths are millimetres walked on the surface."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from surftex.materials.parameters import Amount, Color, Length, LengthField, PositiveLength, Share
+from surftex.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from surftex.materials.leather.pattern import LeatherPattern
+
+
+def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
+    return Field(default, description=text, json_schema_extra={"group": group}, **limits)
+
+
+class Leather(BaseModel):
+    """Full-grain leather: convex plates (cristae) parted by furrows (sulci), wrinkles, pockets, pores.
+
+    The five structural elements, their skeletons and profiles follow Sakurai, Miyata, Kawai and Matsufuji,
+    "Procedural Modeling of Leather Texture with Structural Elements"; crowns, scales and colour go beyond it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: Literal["leather"] = "leather"
+
+    cell_size: LengthField = _field(0.85, "cells", "Least distance between neighbour cells.")
+    cell_ratio: float | str = _field(1.0, "cells", "Length of cells over their width; 1 is round.")
+    direction: str | None = _field(None, "cells", "Direction field that cells are long in; smoothest without it.")
+    cell_shape: Literal["round", "ellipse", "box"] = _field(
+        "round", "cells", "What parts the cells: walking distance, distance in the ellipse of each, or in a box."
+    )
+    regularity: int = _field(0, "cells", "Rounds of evening out the cells; 0 is hide, 4 is scales.", ge=0, le=20)
+    waviness: Share = _field(0.0, "cells", "How far borders waver, as a share of the cell size.")
+    rounding: Share = _field(0.0, "cells", "Radius of the corners of cells, as a share of the cell size.")
+    variation: Share = _field(0.0, "cells", "How much cells differ in height.")
+
+    crista_height: Length = _field(0.05, "cristae", "Rise of a plate from its border to its middle.")
+    crista_exponent: float = _field(3.0, "cristae", "2 is a dome, larger is flatter with a steeper rim.", gt=0, le=32)
+    crista_shape: Literal["soft", "polygon", "inscribed"] = _field(
+        "soft", "cristae", "Rounded plates; cut gems; round pebbles on a floor."
+    )
+
+    sulcus_depth: Length = _field(0.03, "sulci", "Of the furrows between plates.")
+    sulcus_width: Length = _field(0.17, "sulci", "From the middle of a furrow to its rim.")
+    sulcus_variation: Share = _field(0.0, "sulci", "How much furrows differ in depth and width.")
+
+    invasion: float | str = _field(0.0, "cracks", "Length by which a furrow along the stress cracks the next plate.")
+    invasion_mode: Literal["length", "relative"] = _field(
+        "length", "cracks", "Whether `invasion` is millimetres, or a factor of the furrow's half length."
+    )
+    crack_taper: bool = _field(True, "cracks", "Whether cracks run out to nothing at their tips.")
+
+    stress: str | None = _field(None, "wrinkles", "Direction field that wrinkles and cracks follow.")
+    wrinkle_count: int = _field(0, "wrinkles", "Number of wrinkles.", ge=0)
+    wrinkle_density: Amount = _field(0.0, "wrinkles", "Further wrinkles, per 1000 mm^2.")
+    wrinkle_length: Length = _field(10.0, "wrinkles", "Of each wrinkle.")
+    wrinkle_angle: float = _field(
+        30.0, "wrinkles", "Degrees to the stress beyond which a wrinkle cuts across a plate.", ge=0, le=180
+    )
+    wrinkle_depth: Length = _field(0.05, "wrinkles", "Added to that of the furrow beneath.")
+    wrinkle_width: Length = _field(0.3, "wrinkles", "From the middle of a wrinkle to its rim.")
+    wrinkle_taper: Length = _field(0.0, "wrinkles", "Length over which a wrinkle runs out at its ends.")
+    wrinkle_fold: Share = _field(0.0, "wrinkles", "How far one side of a wrinkle overhangs like a fold.")
+
+    pocket_depth: Length = _field(0.0, "pockets", "Where three furrows meet.")
+    pocket_width: Length = _field(0.15, "pockets", "From the middle of a pocket to its rim.")
+
+    pore_density: Amount | str = _field(0.0, "pores", "Pores per mm^2; an expression may mask them.")
+    pore_group: int = _field(1, "pores", "Pores that stand together: 1, or 3 as on pig.", ge=1, le=7)
+    pore_spread: Length = _field(0.3, "pores", "From the middle of a group to its pores.")
+    pore_depth: Length = _field(0.03, "pores", "Of a pore.")
+    pore_width: Length = _field(0.07, "pores", "From the middle of a pore to its rim.")
+
+    crown_spacing: Length = _field(0.0, "crowns", "Least distance between crowns (ostrich); 0 for none.")
+    crown_height: Length = _field(0.5, "crowns", "Rise of a crown.")
+    crown_width: Length = _field(2.2, "crowns", "From the middle of a crown to its rim.")
+    crown_pit_depth: Length = _field(0.3, "crowns", "Of the quill's pit.")
+    crown_pit_width: Length = _field(0.4, "crowns", "From the middle of the pit to its rim.")
+
+    scale_overlap: Share = _field(0.0, "scales", "How far plates tilt to overlap like tiles along the direction.")
+
+    grain_height: Length = _field(0.004, "grain", "Rise of the finest bumps.")
+    grain_size: PositiveLength = _field(0.25, "grain", "Wavelength of the finest bumps.")
+
+    color: Color = _field("#a0602f", "colour", "Of the plates.", validate_default=True)
+    furrow_color: Color = _field("#5a2e14", "colour", "Of the dye that pools in furrows.", validate_default=True)
+    crest_color: Color = _field("#c08850", "colour", "Of worn crests.", validate_default=True)
+    dye: Share = _field(0.6, "colour", "How much dye the furrows hold.")
+    pore_dye: Share = _field(0.5, "colour", "How much dye the pores hold.")
+    wear: Share = _field(0.15, "colour", "How far crests are worn.")
+    mottle: Share = _field(0.06, "colour", "How much the tone drifts over the hide.")
+    mottle_size: PositiveLength = _field(14.0, "colour", "Wavelength of that drift.")
+    cell_tone: Share = _field(0.05, "colour", "How much cells differ in tone.")
+
+    roughness: Share = _field(0.42, "finish", "Of the plates.")
+    furrow_roughness: Share = _field(0.6, "finish", "Of the furrows.")
+    crest_roughness: Share = _field(0.34, "finish", "Of polished crests.")
+    specular: Share = _field(0.5, "finish", "Strength of the reflection; 0.5 is 4 % face on.")
+
+    @staticmethod
+    def preset(name: str, **changes: Any) -> "Leather":
+        """Take a leather from the shelf.
+
+        Parameters
+        ----------
+        name : str
+            See `Leather.presets`.
+        **changes : Any
+            Parameters to set otherwise.
+
+        Returns
+        -------
+        leather : Leather
+            With all parameters written out.
+
+        Raises
+        ------
+        RecipeError
+            If there is no such preset; the message names the nearest.
+
+        Examples
+        --------
+        >>> Leather.preset("calf", cell_size="1.2 mm").cell_size
+        1.2
+        """
+        from surftex.materials.presets import preset
+
+        return preset(Leather, name, changes)
+
+    @staticmethod
+    def presets() -> dict[str, str]:
+        """List the shelf.
+
+        Returns
+        -------
+        presets : dict of str to str
+            What each preset looks like, by name.
+        """
+        from surftex.materials.presets import captions
+
+        return captions("leather")
+
+    def place(
+        self,
+        surface: Surface,
+        seed: int = 0,
+        *,
+        fields: Any = None,
+        features: Mapping[str, np.ndarray] | None = None,
+        max_features: int = 5_000_000,
+        threads: int | None = None,
+        tick: Callable[[float], None] | None = None,
+    ) -> "LeatherPattern":
+        """Place every element on a surface.
+
+        Parameters
+        ----------
+        surface : Surface
+            Where the leather lies.
+        seed : int
+            Same seed, surface and parameters: same features, whatever the unwrap or resolution.
+        fields : FieldSet, optional
+            The recipe's named fields, for parameters that are expressions and for directions.
+        features : mapping of str to structured array, optional
+            Take these, from an earlier `LeatherPattern.features`, and place nothing anew.
+        max_features : int
+            Refuse beyond it.
+        threads : int, optional
+            None means every core; cannot change the result.
+        tick : callable, optional
+            Told the finished share; may raise to cancel.
+
+        Returns
+        -------
+        pattern : LeatherPattern
+            Answers at any sample.
+
+        Raises
+        ------
+        RecipeError
+            If the surface would hold more than `max_features`, or an expression does not fit.
+        """
+        from surftex.materials.leather.pattern import LeatherPattern
+        from surftex.materials.leather.skeleton import place
+
+        if features is None:
+            features = place(
+                self, surface, seed, fields=fields, max_features=max_features, threads=threads, tick=tick
+            )
+        return LeatherPattern.build(self, surface, seed, features, fields=fields, threads=threads)

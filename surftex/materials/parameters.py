@@ -1,0 +1,70 @@
+"""Types of the parameters that materials share: lengths with units, colours, expressions."""
+
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+
+from surftex.errors import RecipeError
+from surftex.units import length_mm
+
+
+def _length(value: Any) -> Any:
+    try:
+        return length_mm(value) if isinstance(value, (str, int, float)) else value
+    except RecipeError as problem:
+        raise ValueError(str(problem)) from None
+
+
+def _color(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    text = value.lstrip("#")
+    if len(text) != 6 or any(letter not in "0123456789abcdefABCDEF" for letter in text):
+        raise ValueError(f"{value!r} is no colour; write '#8a5a34', or three linear numbers from 0 to 1")
+    return linear_from_srgb(np.array([int(text[i : i + 2], 16) for i in (0, 2, 4)]) / 255).tolist()
+
+
+def _number_or_expression(value: Any) -> Any:
+    if isinstance(value, str):
+        try:
+            return length_mm(value)
+        except RecipeError:
+            return value
+    return value
+
+
+def linear_from_srgb(value: Any) -> np.ndarray:
+    """Undo the sRGB curve.
+
+    Parameters
+    ----------
+    value : array of float
+        0 to 1, as screens and 8-bit pictures have it.
+
+    Returns
+    -------
+    linear : array of float64
+        0 to 1, proportional to light (IEC 61966-2-1).
+    """
+    value = np.asarray(value, np.float64)
+    return np.where(value <= 0.04045, value / 12.92, ((np.maximum(value, 0.04045) + 0.055) / 1.055) ** 2.4)
+
+
+Length = Annotated[float, BeforeValidator(_length), Field(ge=0, le=1e7, allow_inf_nan=False)]
+"""Millimetres; text may carry a unit."""
+
+PositiveLength = Annotated[float, BeforeValidator(_length), Field(gt=0, le=1e7, allow_inf_nan=False)]
+"""Millimetres above 0; text may carry a unit."""
+
+LengthField = Annotated[PositiveLength | str, BeforeValidator(_number_or_expression)]
+"""Millimetres, or an expression over the recipe's fields that gives millimetres."""
+
+Share = Annotated[float, Field(ge=0, le=1)]
+"""0 to 1."""
+
+Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+"""Any number from 0."""
+
+Color = Annotated[tuple[Share, Share, Share], BeforeValidator(_color)]
+"""Linear sRGB; text is '#rrggbb' as screens show it."""

@@ -1,0 +1,101 @@
+"""The shelf: one TOML file per preset, named as users name it, in a folder per material."""
+
+import difflib
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from surftex.errors import RecipeError
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+@cache
+def _shelf(kind: str) -> dict[str, dict[str, Any]]:
+    shelf = {}
+    for file in sorted(files(__package__).joinpath(kind).iterdir(), key=lambda file: file.name):
+        if file.name.endswith(".toml"):
+            shelf[file.name.removesuffix(".toml")] = tomllib.loads(file.read_text("utf-8"))
+    return shelf
+
+
+def captions(kind: str) -> dict[str, str]:
+    """List the presets of a material.
+
+    Parameters
+    ----------
+    kind : str
+        The material, such as ``"leather"``.
+
+    Returns
+    -------
+    captions : dict of str to str
+        What each looks like, by name.
+    """
+    return {name: values["caption"] for name, values in _shelf(kind).items()}
+
+
+def parameters(kind: str, name: str) -> dict[str, Any]:
+    """Read what a preset sets.
+
+    Parameters
+    ----------
+    kind : str
+        The material.
+    name : str
+        The preset.
+
+    Returns
+    -------
+    parameters : dict
+        As written in the file, without the caption; a preset that builds on another holds both.
+
+    Raises
+    ------
+    RecipeError
+        If there is none of that name; the message names the nearest.
+    """
+    shelf = _shelf(kind)
+    if name not in shelf:
+        near = difflib.get_close_matches(name, shelf, 3, 0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(shelf)}"
+        raise RecipeError(f"there is no {kind} preset {name!r}; {hint}")
+    values = {key: value for key, value in shelf[name].items() if key != "caption"}
+    base = values.pop("base", None)
+    return {**parameters(kind, base), **values} if base else values
+
+
+def preset(model: type[Model], name: str, changes: dict[str, Any]) -> Model:
+    """Make a material from a preset.
+
+    Parameters
+    ----------
+    model : type
+        The material's class; its `kind` names the folder.
+    name : str
+        The preset.
+    changes : dict
+        Parameters to set otherwise.
+
+    Returns
+    -------
+    material : BaseModel
+        Checked, with all parameters written out.
+
+    Raises
+    ------
+    RecipeError
+        If the preset is unknown, or a change does not fit.
+    """
+    kind = model.model_fields["kind"].default
+    try:
+        return model.model_validate({**parameters(kind, name), **changes})
+    except ValidationError as problem:
+        first = problem.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        near = difflib.get_close_matches(key, model.model_fields, 1)
+        hint = f"; did you mean {near[0]}?" if first["type"] == "extra_forbidden" and near else ""
+        raise RecipeError(f"{kind}.{key}: {first['msg']}{hint}") from None
