@@ -74,10 +74,11 @@ class Noise:
         ).view()
         places.flags.writeable = footprint.flags.writeable = False
         values = np.zeros(len(places), np.float32)
-        gradient_noise(places, footprint, *self._octaves(), values)
+        keys, frames, offsets, weight, wavelength = self._octaves()
+        gradient_noise(places, footprint, keys, frames, offsets, weight, wavelength, values)
         return values
 
-    def _octaves(self) -> tuple[NDArray, ...]:
+    def _octaves(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Key, turned frame, offset, weight and wavelength of each octave."""
         keys, frames, offsets = [], [], []
         wavelength = self.wavelength_mm * 0.5 ** np.arange(self.octaves)

@@ -1,0 +1,228 @@
+"""`FieldSet`: the named numbers and directions of a recipe, on one surface, ready for every layer."""
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import RecipeError
+from surftex.fields.expressions import AXES, RESERVED, Expression
+from surftex.fields.sources import Field, file_positions, part_field
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from surftex.geodesics.directions import DirectionField
+
+
+class FieldSet:
+    """Named fields on a surface, and the reader of expressions over them.
+
+    Parameters
+    ----------
+    surface : Surface
+        Where the fields live.
+    numbers : mapping of str to Field, str or float
+        A `Field` (``field(points, footprint_mm=0.0) -> (n,)``), an expression over other fields, or a number.
+    directions : mapping of str to callable
+        ``directions[name]()`` makes the `DirectionField`, when it is first asked for.
+
+    Raises
+    ------
+    RecipeError
+        If a name is reserved or used twice, an expression is wrong, names an unknown field or part, or if
+        expressions refer to each other in a circle.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        numbers: Mapping[str, Field | str | float] = MappingProxyType({}),
+        directions: Mapping[str, "Callable[[], DirectionField]"] = MappingProxyType({}),
+    ) -> None:
+        self.surface = surface
+        self._fields: dict[str, Field] = {}
+        self._expressions: dict[str, Expression] = {}
+        self._directions = dict(directions)
+        self._made: dict[str, DirectionField] = {}
+        for name, value in numbers.items():
+            check_name(name)
+            if name in directions:
+                raise RecipeError(f"the name {name!r} is both a number and a direction")
+            if callable(value):
+                self._fields[name] = value
+            else:
+                self._expressions[name] = Expression.parse(value)
+        for expression in self._expressions.values():
+            self._check(expression)
+        refuse_circles({name: each.names for name, each in self._expressions.items()})
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all numbers, sorted."""
+        return tuple(sorted({*self._fields, *self._expressions}))
+
+    @property
+    def direction_names(self) -> tuple[str, ...]:
+        """Names of all directions, sorted."""
+        return tuple(sorted(self._directions))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._fields or name in self._expressions
+
+    def __getitem__(self, name: str) -> Field:
+        """Look up the field of one name."""
+        return self.scalar(name)
+
+    def scalar(self, value: str | float) -> Field:
+        """Read a number or an expression over the named fields.
+
+        Parameters
+        ----------
+        value : str or float
+            For example ``0.5`` or ``"1 - 0.7 * toe"``.
+
+        Returns
+        -------
+        field : Field
+            ``field(points, footprint_mm=0.0) -> (n,) float64``, finite.
+
+        Raises
+        ------
+        RecipeError
+            If the expression is wrong or names what does not exist.
+        """
+        expression = Expression.parse(value)
+        self._check(expression)
+
+        def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+            return _Evaluation(self, points, footprint_mm).of(expression)
+
+        return field
+
+    def direction(self, name: str) -> "DirectionField":
+        """Look up the direction field of one name; it is made at first use.
+
+        Parameters
+        ----------
+        name : str
+            One of `direction_names`.
+
+        Returns
+        -------
+        direction : DirectionField
+            An angle per face.
+
+        Raises
+        ------
+        RecipeError
+            If no direction has this name.
+        """
+        if name not in self._directions:
+            if name in self:
+                raise RecipeError(f"field {name!r} is a number; directions are made from strokes or an axis")
+            raise RecipeError(f"unknown direction {name!r}{_hint(name, self._directions, 'directions')}")
+        if name not in self._made:
+            self._made[name] = self._directions[name]()
+        return self._made[name]
+
+    def _check(self, expression: Expression) -> None:
+        for name in sorted(expression.names):
+            if name in self._directions:
+                raise RecipeError(f"{expression.text!r}: field {name!r} is a direction, not a number")
+            if name not in self:
+                raise RecipeError(
+                    f"{expression.text!r}: unknown field {name!r}{_hint(name, self.names, 'fields')}"
+                )
+        for part in sorted(expression.parts):
+            part_field(self.surface, part)
+
+
+class _Evaluation:
+    """One call: remembers what several names need in common."""
+
+    def __init__(self, fields: FieldSet, points: SurfacePoints, footprint_mm: NDArray | float) -> None:
+        self.fields, self.points, self.footprint_mm = fields, points, footprint_mm
+        self.known: dict[str, NDArray[np.float64]] = {}
+
+    def of(self, expression: Expression) -> NDArray[np.float64]:
+        return expression.evaluate(self.resolve, len(self.points))
+
+    def resolve(self, name: str) -> NDArray[np.float64]:
+        if name not in self.known:
+            self._find(name)
+        return self.known[name]
+
+    def _find(self, name: str) -> None:
+        if name in AXES:
+            place = file_positions(self.fields.surface, self.points)
+            self.known.update(zip(AXES, place.T, strict=True))
+        elif name.startswith("part:"):
+            self.known[name] = part_field(self.fields.surface, name.removeprefix("part:"))(self.points)
+        elif name in self.fields._fields:
+            self.known[name] = self.fields._fields[name](self.points, self.footprint_mm)
+        else:
+            self.known[name] = self.of(self.fields._expressions[name])
+
+
+def check_name(name: str) -> None:
+    """Refuse names that an expression could not mean.
+
+    Parameters
+    ----------
+    name : str
+        Of a field.
+
+    Raises
+    ------
+    RecipeError
+        If it is no identifier, or means something else already.
+    """
+    if not name.isidentifier() or not name.isascii():
+        raise RecipeError(
+            f"{name!r} cannot name a field: letters, digits and underscores, and no digit first"
+        )
+    if name in RESERVED:
+        raise RecipeError(f"{name!r} cannot name a field: it is a function or a coordinate already")
+
+
+def refuse_circles(needs: Mapping[str, frozenset[str]]) -> None:
+    """Refuse definitions that need themselves.
+
+    Parameters
+    ----------
+    needs : mapping of str to set of str
+        The names that each definition refers to.
+
+    Raises
+    ------
+    RecipeError
+        With the circle, from its first name back to it.
+    """
+    done: set[str] = set()
+    for start in sorted(needs):
+        path: list[str] = []
+        stack = [iter([start])]
+        while stack:
+            name = next(stack[-1], None)
+            if name is None:
+                stack.pop()
+                if path:
+                    done.add(path.pop())
+                continue
+            if name in path:
+                circle = [*path[path.index(name) :], name]
+                raise RecipeError(f"fields refer to each other in a circle: {' -> '.join(circle)}")
+            if name in needs and name not in done:
+                path.append(name)
+                stack.append(iter(sorted(needs[name])))
+
+
+def _hint(name: str, known: Mapping | tuple[str, ...], what: str) -> str:
+    near = get_close_matches(name, list(known), 1)
+    if near:
+        return f"; did you mean {near[0]!r}?"
+    return f"; {what} of this recipe: {', '.join(sorted(known))}" if known else f"; this recipe has no {what}"

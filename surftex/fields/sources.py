@@ -1,0 +1,195 @@
+"""Where numbers on a surface come from: a picture through the mesh's own UVs, a part, an axis, noise.
+
+Each function returns a `Field`: called with points (and the samples' footprints, where known) it gives one
+number per point, and never depends on other points.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surftex.errors import RecipeError
+from surftex.fields.noise import Noise
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+Field = Callable[..., NDArray[np.float64]]
+"""``field(points, footprint_mm=0.0) -> (n,) float64``."""
+
+
+def file_positions(surface: Surface, points: SurfacePoints) -> NDArray[np.float64]:
+    """Places in space as the file counts them.
+
+    Parameters
+    ----------
+    surface : Surface
+        Where the points lie.
+    points : SurfacePoints
+        n points.
+
+    Returns
+    -------
+    positions : (n, 3) float64
+        Millimetres from the file's own zero.
+    """
+    return points.positions(surface) + surface.origin_mm
+
+
+def constant_field(value: float) -> Field:
+    """Give the same number everywhere.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+
+    Returns
+    -------
+    field : Field
+        Constant.
+    """
+    return lambda points, footprint_mm=0.0: np.full(len(points), float(value))
+
+
+def part_field(surface: Surface, name: str) -> Field:
+    """Give 1 on a part of the mesh and 0 elsewhere.
+
+    Parameters
+    ----------
+    surface : Surface
+        With named parts.
+    name : str
+        One of ``surface.part_names``.
+
+    Returns
+    -------
+    field : Field
+        0 or 1.
+
+    Raises
+    ------
+    RecipeError
+        If the mesh has no such part; with the names it has.
+    """
+    if name not in surface.part_names:
+        raise RecipeError(f"the mesh has no part {name!r}; it has {', '.join(map(repr, surface.part_names))}")
+    on_part = (surface.part == surface.part_names.index(name)).astype(np.float64)
+    return lambda points, footprint_mm=0.0: on_part[points.face]
+
+
+def gradient_field(
+    surface: Surface, axis: ArrayLike, start_mm: float | None = None, end_mm: float | None = None
+) -> Field:
+    """Rise from 0 to 1 along an axis.
+
+    Parameters
+    ----------
+    surface : Surface
+        Whose extent is taken where an end is not given.
+    axis : (3,) float
+        Direction in the file's axes; any length but 0.
+    start_mm : float, optional
+        Coordinate along the axis where the field is 0.
+    end_mm : float, optional
+        Coordinate along the axis where the field is 1.
+
+    Returns
+    -------
+    field : Field
+        0 to 1, linear between the ends.
+
+    Raises
+    ------
+    RecipeError
+        If the axis has no length, or the ends coincide.
+    """
+    along = np.asarray(axis, np.float64)
+    length = np.linalg.norm(along)
+    if along.shape != (3,) or not 0 < length < np.inf:
+        raise RecipeError(f"axis = {axis} is no direction; write three numbers such as [0, 0, 1]")
+    along = along / length
+    extent = (surface.vertices + surface.origin_mm) @ along
+    start = float(extent.min()) if start_mm is None else start_mm
+    end = float(extent.max()) if end_mm is None else end_mm
+    if start == end:
+        raise RecipeError(
+            f"a gradient that starts and ends at {start:g} mm has no slope; does the surface extend along it?"
+        )
+    return lambda points, footprint_mm=0.0: np.clip(
+        (file_positions(surface, points) @ along - start) / (end - start), 0.0, 1.0
+    )
+
+
+def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 1.0) -> Field:
+    """Let noise vary a number.
+
+    Parameters
+    ----------
+    surface : Surface
+        Where the points lie.
+    noise : Noise
+        What is evaluated at their places.
+    low : float
+        Value for noise of -1; the field never goes below.
+    high : float
+        Value for noise of 1; the field never goes above.
+
+    Returns
+    -------
+    field : Field
+        From `low` to `high`.
+    """
+    return lambda points, footprint_mm=0.0: (
+        low
+        + (high - low)
+        * np.clip(0.5 + 0.5 * noise.at(points.positions(surface), footprint_mm).astype(np.float64), 0.0, 1.0)
+    )
+
+
+def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "image") -> Field:
+    """Read a picture through the mesh's own UVs, between texels bilinearly, repeating outside 0..1.
+
+    Parameters
+    ----------
+    surface : Surface
+        With UVs of its own.
+    picture : (h, w) float
+        Row 0 on top.
+    name : str
+        What messages call the picture.
+
+    Returns
+    -------
+    field : Field
+        The picture's numbers.
+
+    Raises
+    ------
+    RecipeError
+        If the mesh has no UVs, or the picture has another shape or values that are not finite.
+    """
+    if surface.corner_uv is None:
+        raise RecipeError(
+            f"{name} needs the mesh's own UVs, and {surface.name} has none; paint it over an axis instead"
+        )
+    pixels = np.asarray(picture, np.float64)
+    if pixels.ndim != 2 or pixels.size == 0:
+        raise RecipeError(f"{name} has shape {pixels.shape}; a mask is one number per pixel, (height, width)")
+    if not np.isfinite(pixels).all():
+        raise RecipeError(f"{name} holds {np.count_nonzero(~np.isfinite(pixels))} pixels that are not finite")
+    corner_uv, (height, width) = surface.corner_uv, pixels.shape
+
+    def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+        uv = np.einsum("pk,pki->pi", points.barycentric, corner_uv[points.face])
+        column = uv[:, 0] * width - 0.5
+        row = (1 - uv[:, 1]) * height - 0.5
+        left, top = np.floor(column), np.floor(row)
+        across, down = column - left, row - top
+        i, j = left.astype(np.int64) % width, top.astype(np.int64) % height
+        right, below = (i + 1) % width, (j + 1) % height
+        upper = pixels[j, i] * (1 - across) + pixels[j, right] * across
+        lower = pixels[below, i] * (1 - across) + pixels[below, right] * across
+        return upper * (1 - down) + lower * down
+
+    return field

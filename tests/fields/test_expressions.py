@@ -1,0 +1,100 @@
+"""Expressions: agree with Python on what is allowed, refuse everything else, and say where."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from surftex.errors import RecipeError
+from surftex.fields.expressions import Expression
+
+NAMES = {"toe": np.array([0.0, 0.25, 1.0]), "wear": np.array([2.0, -1.0, 0.5])}
+
+
+def value(text, **names):
+    known = {**NAMES, **{name: np.asarray(each, float) for name, each in names.items()}}
+    return Expression.parse(text).evaluate(known.__getitem__, 3)
+
+
+leaves = st.sampled_from(["toe", "wear", "2", "0.5", "pi"])
+trees = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from(["+", "-", "*", "<", ">="]), inner).map(
+            lambda t: f"({t[0]} {t[1]} {t[2]})"
+        ),
+        inner.map(lambda t: f"abs({t})"),
+        st.tuples(inner, inner).map(lambda t: f"max({t[0]}, {t[1]})"),
+        st.tuples(inner, inner, inner).map(lambda t: f"({t[0]} if {t[1]} > 0.5 else {t[2]})"),
+    ),
+    max_leaves=12,
+)
+
+
+@given(trees)
+def test_an_expression_means_what_python_means(text):
+    expected = [
+        float(eval(text, {"__builtins__": {}}, {"toe": a, "wear": b, "abs": abs, "max": max, "pi": math.pi}))
+        for a, b in zip(NAMES["toe"], NAMES["wear"], strict=True)
+    ]
+    np.testing.assert_allclose(value(text), expected, rtol=1e-12)
+
+
+def test_numbers_functions_and_logic():
+    np.testing.assert_array_equal(value("1 - 0.7 * toe"), 1 - 0.7 * NAMES["toe"])
+    np.testing.assert_array_equal(value("smoothstep(0, 1, toe)"), [0, 0.15625, 1])
+    np.testing.assert_array_equal(value("smoothstep(0.5, 0.5, toe)"), [0, 0, 1])
+    np.testing.assert_array_equal(value("clamp(wear, 0, 1)"), [1, 0, 0.5])
+    np.testing.assert_array_equal(value("mix(2, 4, toe)"), [2, 2.5, 4])
+    np.testing.assert_array_equal(value("0 < toe < 1"), [0, 1, 0])
+    np.testing.assert_array_equal(value("toe > 0 and not wear > 0 or toe == 0"), [1, 1, 0])
+    np.testing.assert_array_equal(Expression.parse(3).evaluate(NAMES.__getitem__, 3), [3, 3, 3])
+    assert Expression.parse("part('upper') * toe + x").names == {"toe"}
+    assert Expression.parse("part('upper') * toe + x").parts == {"upper"}
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("__import__('os').system('x')", "not allowed"),
+        ("toe.__class__", "a Python Attribute is not allowed"),
+        ("[1, 2][0]", "a Python Subscript is not allowed"),
+        ("(lambda: 1)()", "a Python Call is not allowed"),
+        ("'text'", "the constant"),
+        ("1j", "the constant 1j"),
+        ("True", "the constant True"),
+        ("toe // 2", "the operator FloorDiv"),
+        ("toe; wear", "at column 4"),
+        ("1 +", "at column"),
+        ("", "at column"),
+        ("smothstep(0, 1, toe)", "did you mean smoothstep"),
+        ("clamp(toe)", "clamp takes 3 arguments, not 1"),
+        ("max(*toe, toe)", "a Python Starred is not allowed"),
+        ("min(toe, key=1)", "not allowed"),
+        ("max + 1", "max is a function"),
+        ("part(upper)", "name of a part in quotes"),
+        ("1e999", "the constant inf"),
+        ("9" * 400, "the constant"),
+        ("-" * 1500 + "1", ""),
+        ("abs(" * 150 + "1" + ")" * 150, "60 deep"),
+        ("1" * 3000, "at most 2000"),
+        ("toe\x00", ""),
+    ],
+)
+def test_anything_else_is_refused(text, says):
+    with pytest.raises(RecipeError) as refused:
+        value(text)
+    assert says in str(refused.value)
+    assert len(str(refused.value)) < 400
+
+
+def test_a_huge_power_is_an_error_and_not_a_long_wait():
+    with pytest.raises(RecipeError, match="no finite value at 3 of 3 points"):
+        value("9 ** 9 ** 9 ** 9")
+
+
+def test_division_by_zero_is_an_error():
+    with pytest.raises(RecipeError, match="at 1 of 3 points; does it divide by zero"):
+        value("1 / toe")
