@@ -8,7 +8,7 @@ from meshes.nets import pulled, solid
 from meshes.sweep import grid_faces, outward, resampled, round_section, tube
 
 HALF, HIGH, PITCH = 180.0, 42.0, 90.0
-SUNK = 24.0
+SUNK = 26.0
 
 
 def buttons():
@@ -27,17 +27,17 @@ def tuft(x, z):
     u, v = x / PITCH + z / PITCH, x / PITCH - z / PITCH
     # Distance to the two families of pleats, in pitches; the pleats die out towards the rim.
     pleat_u, pleat_v = np.abs(u - np.round(u)), np.abs(v - np.round(v))
-    puff = (1 - np.exp(-((pleat_u / 0.17) ** 1.35))) * (1 - np.exp(-((pleat_v / 0.17) ** 1.35)))
+    puff = (1 - np.exp(-((pleat_u / 0.2) ** 1.6))) * (1 - np.exp(-((pleat_v / 0.2) ** 1.6)))
     places = buttons()
     near2 = ((x[:, None] - places[:, 0]) ** 2 + (z[:, None] - places[:, 1]) ** 2).min(axis=1)
-    pit = np.exp(-near2 / (2 * 17.0**2))
+    pit = np.exp(-near2 / (2 * 15.0**2))
     rim = 1 - smoothstep(HALF - 62, HALF - 16, np.maximum(np.abs(x), np.abs(z)))
-    return SUNK * (0.42 * (1 - puff) * (0.25 + 0.75 * rim) + 0.9 * pit * rim) - 6 * rim
+    return SUNK * (0.5 * (1 - puff) * (0.2 + 0.8 * rim) + 0.7 * pit * rim) - 6 * rim
 
 
 def body(p):
     crown = 7 * np.cos(np.clip(p[:, 0] / HALF, -1, 1) * np.pi / 2) * np.cos(np.clip(p[:, 2] / HALF, -1, 1) * np.pi / 2)
-    top = smoothstep(-10, 30, p[:, 1])
+    top = smoothstep(-30, 20, p[:, 1])
     q = p.copy()
     q[:, 1] += top * (tuft(p[:, 0], p[:, 2]) - crown)
     bulge = 5 * np.clip(1 - (p[:, 1] / HIGH) ** 2, 0, 1)
@@ -81,7 +81,7 @@ def button(x, z):
 
 def build():
     lines = np.arange(-HALF - 21, HALF + 22, 7.0)
-    level = np.arange(-HIGH - 21, HIGH + 29, 7.0)
+    level = np.arange(-HIGH - 21, HIGH + 29, 6.5)
     vertices, faces = solid(body, lines, level, lines, rounds=14)
     cover = Part("leather", vertices, faces)
     cords = [Part("piping", *piping(level)) for level in (22.0, -24.0)]

@@ -18,11 +18,40 @@ def evaluate(function, points, block=200_000):
     return np.concatenate([function(points[i : i + block]) for i in range(0, len(points), block)])
 
 
+def without_checkers(value):
+    """Fill grid squares whose corners alternate in sign, which would join four sheets in one edge."""
+    for _ in range(20):
+        found = 0
+        for u, v in ((0, 1), (1, 2), (2, 0)):
+            corners = []
+            for du, dv in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                cut = [slice(None)] * 3
+                cut[u] = slice(du, value.shape[u] - 1 + du)
+                cut[v] = slice(dv, value.shape[v] - 1 + dv)
+                corners.append(value[tuple(cut)])
+            signs = [corner < 0 for corner in corners]
+            checker = (signs[0] == signs[2]) & (signs[1] == signs[3]) & (signs[0] != signs[1])
+            for where in np.argwhere(checker):
+                nodes = []
+                for du, dv in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                    node = where.copy()
+                    node[u] += du
+                    node[v] += dv
+                    nodes.append(tuple(node))
+                outer = [node for node in nodes if value[node] >= 0]
+                if len(outer) == 2:
+                    value[min(outer, key=lambda node: value[node])] = -1e-3
+                    found += 1
+        if not found:
+            break
+    return value
+
+
 def surface_nets(function, xs, ys, zs):
     """Quads, outward, around the solid where `function` is negative; one vertex per mixed cell."""
     shape = (len(xs), len(ys), len(zs))
     grid = np.stack(np.meshgrid(xs, ys, zs, indexing="ij"), axis=-1).reshape(-1, 3)
-    value = evaluate(function, grid).reshape(shape)
+    value = without_checkers(evaluate(function, grid).reshape(shape))
     grid = grid.reshape(*shape, 3)
     inside = value < 0
     cells = tuple(n - 1 for n in shape)
@@ -65,6 +94,25 @@ def surface_nets(function, xs, ys, zs):
     return points, index.reshape(-1, 4)
 
 
+def without_doublets(points, quads):
+    """Melt two quads around a vertex that has no third into one."""
+    while True:
+        degree = np.bincount(quads.ravel(), minlength=len(points))
+        gone = np.zeros(len(quads), bool)
+        extra = []
+        for vertex in np.flatnonzero(degree == 2):
+            pair = np.flatnonzero((quads == vertex).any(axis=1))
+            if len(pair) < 2 or gone[pair].any():
+                continue
+            first, second = (np.roll(quads[q], -int(np.argmax(quads[q] == vertex))) for q in pair)
+            gone[pair] = True
+            extra.append([first[1], first[2], first[3], second[2]])
+        if not extra:
+            used, index = np.unique(quads, return_inverse=True)
+            return points[used], index.reshape(-1, 4)
+        quads = np.concatenate([quads[~gone], np.array(extra)])
+
+
 def gradient(function, points, step=0.05):
     result = np.zeros_like(points)
     for i in range(3):
@@ -92,18 +140,26 @@ def neighbours(quads, count):
 
 
 def triangles(points, quads):
-    """Cut each quad along its shorter diagonal."""
+    """Cut each quad along its shorter diagonal, or along the other one where that edge is taken."""
     a, b, c, d = (points[quads[:, i]] for i in range(4))
     first = ((a - c) ** 2).sum(axis=1) <= ((b - d) ** 2).sum(axis=1)
-    cut = np.where(
-        first[:, None], quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]]
-    )
+    side = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 2), axis=1) @ [len(points), 1]
+    for _ in range(4):
+        cross = np.sort(np.where(first[:, None], quads[:, [0, 2]], quads[:, [1, 3]]), axis=1) @ [len(points), 1]
+        _, index, count = np.unique(cross, return_inverse=True, return_counts=True)
+        taken = (count[index] > 1) | np.isin(cross, side)
+        if not taken.any():
+            break
+        again = np.flatnonzero(taken)
+        again = again[np.sort(np.unique(cross[again], return_index=True)[1])]
+        first[again] = ~first[again]
+    cut = np.where(first[:, None], quads[:, [0, 1, 2, 0, 2, 3]], quads[:, [1, 2, 3, 1, 3, 0]])
     return cut.reshape(-1, 3)
 
 
 def solid(function, xs, ys, zs, rounds=12, most=None):
     """Triangles of the zero set: nets, then rounds of evening out along the surface, each followed by a pull."""
-    points, quads = surface_nets(function, xs, ys, zs)
+    points, quads = without_doublets(*surface_nets(function, xs, ys, zs))
     most = most or 0.5 * float(np.diff(xs).min())
     links, degree = neighbours(quads, len(points))
     points, normal = pulled(function, points, most)
