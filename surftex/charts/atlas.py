@@ -1,0 +1,221 @@
+"""`Atlas`: where each corner of each face lies on a square page, and what that does to lengths.
+
+u runs right and v up, inside 0 to 1. On a page of texels, columns run right and rows run down, and texel centres
+lie at one half: column = u width, row = (1 - v) height.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from surftex.arrays import checked, frozen
+from surftex.surface.surface import Surface
+
+SAME_UV = 1e-6
+"""Corners of two faces closer than this, as a share of the page, lie at one place of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """An unwrap of a surface; make one with `surftex.charts.unwrap.unwrap` or `Atlas.of`.
+
+    Attributes
+    ----------
+    corner_uv : (m, 3, 2) float64
+        Place of each face's corners on the page.
+    chart : (m,) int32
+        Chart of each face: faces that hang together over edges that are no seams.
+    seam : (m, 3) bool
+        Whether edge i is a border of the face's chart: a seam, or a border of the mesh.
+    unwrapper : str
+        Who made it: ``"uvunwrap"``, ``"xatlas"``, or ``"own"`` for the file's own.
+    resolution : int
+        Page side in texels that the gaps were made for; 0 where that is unknown.
+    gutter_px : int
+        Free texels around each chart at that resolution; 0 where that is unknown.
+    notes : tuple of str
+        What was decided on the way, a line each.
+    """
+
+    corner_uv: NDArray[np.float64]
+    chart: NDArray[np.int32]
+    seam: NDArray[np.bool_]
+    unwrapper: str
+    resolution: int
+    gutter_px: int
+    notes: tuple[str, ...]
+
+    @staticmethod
+    def of(
+        surface: Surface,
+        corner_uv: ArrayLike,
+        *,
+        unwrapper: str = "own",
+        resolution: int = 0,
+        gutter_px: int = 0,
+        notes: tuple[str, ...] = (),
+    ) -> "Atlas":
+        """Find seams and charts of an unwrap.
+
+        Parameters
+        ----------
+        surface : Surface
+            What is unwrapped; m faces.
+        corner_uv : (m, 3, 2) float
+            Place of each corner on the page.
+        unwrapper : str
+            Who made it.
+        resolution : int
+            Page side in texels that it was made for.
+        gutter_px : int
+            Free texels around each chart.
+        notes : tuple of str
+            What was decided on the way.
+
+        Returns
+        -------
+        atlas : Atlas
+            With read-only copies.
+        """
+        uv = checked(corner_uv, "corner_uv", (len(surface.faces), 3, 2), np.float64)
+        seam = chart_edges(surface, uv)
+        face, edge = np.nonzero(~seam)
+        count = len(surface.faces)
+        graph = coo_array(
+            (np.ones(len(face), np.int8), (face, surface.neighbor[face, edge])), shape=(count, count)
+        )
+        chart = connected_components(graph, directed=False)[1].astype(np.int32)
+        return Atlas(
+            corner_uv=frozen(uv.copy()),
+            chart=frozen(chart),
+            seam=frozen(seam),
+            unwrapper=unwrapper,
+            resolution=int(resolution),
+            gutter_px=int(gutter_px),
+            notes=tuple(notes),
+        )
+
+    @property
+    def chart_count(self) -> int:
+        """Number of charts."""
+        return int(self.chart.max()) + 1
+
+    def corner_px(self, width: int, height: int | None = None) -> NDArray[np.float64]:
+        """Place the corners on a page of texels.
+
+        Parameters
+        ----------
+        width : int
+            Columns of the page.
+        height : int, optional
+            Rows; as `width` without it.
+
+        Returns
+        -------
+        corner : (m, 3, 2) float64
+            Column and row of each corner; rows run down, texel centres lie at one half. Read-only.
+        """
+        height = width if height is None else height
+        return frozen((self.corner_uv * [1.0, -1.0] + [0.0, 1.0]) * [float(width), float(height)])
+
+    def jacobian_mm(self, surface: Surface, width: int, height: int | None = None) -> NDArray[np.float64]:
+        """Say how many millimetres a step of a texel is, per face.
+
+        Parameters
+        ----------
+        surface : Surface
+            What is unwrapped.
+        width : int
+            Columns of the page.
+        height : int, optional
+            Rows; as `width` without it.
+
+        Returns
+        -------
+        jacobian : (m, 2, 2) float64
+            Columns are the steps, in the face's frame, for one texel to the right and one texel up. Zero on
+            faces without area on the page.
+        """
+        corner = self.corner_px(width, height) * [1.0, -1.0]
+        page = np.swapaxes(corner[:, 1:] - corner[:, :1], 1, 2)
+        flat = np.swapaxes(surface.flat[:, 1:] - surface.flat[:, :1], 1, 2)
+        twice = page[:, 0, 0] * page[:, 1, 1] - page[:, 0, 1] * page[:, 1, 0]
+        adjugate = np.stack(
+            [
+                np.stack([page[:, 1, 1], -page[:, 0, 1]], axis=1),
+                np.stack([-page[:, 1, 0], page[:, 0, 0]], axis=1),
+            ],
+            axis=1,
+        )
+        usable = np.abs(twice) > 1e-12
+        inverse = np.zeros_like(adjugate)
+        inverse[usable] = adjugate[usable] / twice[usable, None, None]
+        return flat @ inverse
+
+    def texels_per_mm(self, surface: Surface, width: int) -> float:
+        """Measure the density of the page.
+
+        Parameters
+        ----------
+        surface : Surface
+            What is unwrapped.
+        width : int
+            Side of the page in texels.
+
+        Returns
+        -------
+        density : float
+            Texels along a millimetre, from the areas of all faces.
+        """
+        first, second = (
+            self.corner_uv[:, 1] - self.corner_uv[:, 0],
+            self.corner_uv[:, 2] - self.corner_uv[:, 0],
+        )
+        area = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum()
+        return float(width * np.sqrt(area / surface.area_mm2))
+
+    def seam_length_mm(self, surface: Surface) -> float:
+        """Measure the seams, each once; borders of the mesh are none.
+
+        Parameters
+        ----------
+        surface : Surface
+            What is unwrapped.
+
+        Returns
+        -------
+        length : float
+            Millimetres.
+        """
+        inside = self.seam & (surface.neighbor >= 0)
+        return float(surface.edge_length[inside].sum() / 2)
+
+
+def chart_edges(surface: Surface, corner_uv: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Find the edges where charts end, from the places of both corners on both sides.
+
+    Parameters
+    ----------
+    surface : Surface
+        What is unwrapped; m faces.
+    corner_uv : (m, 3, 2) float64
+        Place of each corner on the page.
+
+    Returns
+    -------
+    seam : (m, 3) bool
+        True at borders of the mesh, where the two sides of an edge lie apart on the page, and where the page is
+        folded over along an edge.
+    """
+    first, second = corner_uv[:, 1] - corner_uv[:, 0], corner_uv[:, 2] - corner_uv[:, 0]
+    side = np.sign(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    seam = np.ones(surface.neighbor.shape, bool)
+    face, edge = np.nonzero(surface.neighbor >= 0)
+    other, other_edge = surface.neighbor[face, edge], surface.neighbor_edge[face, edge]
+    start = np.abs(corner_uv[face, edge] - corner_uv[other, (other_edge + 1) % 3]).max(axis=1)
+    end = np.abs(corner_uv[face, (edge + 1) % 3] - corner_uv[other, other_edge]).max(axis=1)
+    seam[face, edge] = (np.maximum(start, end) > SAME_UV) | (side[face] != side[other])
+    return seam

@@ -1,0 +1,55 @@
+"""Texels that several faces claim: found by laying every face on the page."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.arrays import frozen
+from surftex.charts.bands import BAND_ROWS, band_lists
+from surftex.kernels.pool import slices
+
+MARGIN_PX = 1e-3
+"""How far inside a face a texel's centre must lie to count, so that shared edges do not."""
+
+
+def overlapping_faces(
+    corner_px: NDArray[np.float64], resolution: int, *, threads: int | None = None
+) -> tuple[int, NDArray[np.int32]]:
+    """Count overlapping texels of a page, and name faces that cause them.
+
+    Parameters
+    ----------
+    corner_px : (m, 3, 2) float64
+        Corners as `Atlas.corner_px` gives them; read-only.
+    resolution : int
+        Side of the page.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    texels : int
+        Texels whose centre lies in more than one face.
+    faces : (k, 2) int32
+        Different pairs of the two lowest faces on such texels, in order.
+    """
+    from surftex.kernels.raster import overlap_band
+
+    start, item = band_lists(corner_px[..., 1].min(axis=1), corner_px[..., 1].max(axis=1), resolution)
+
+    def work(band: int, _: int) -> tuple[int, NDArray[np.int32]]:
+        top = band * BAND_ROWS
+        shape = (min(resolution, top + BAND_ROWS) - top, resolution)
+        count, first, second = (
+            np.zeros(shape, np.int32),
+            np.full(shape, -1, np.int32),
+            np.full(shape, -1, np.int32),
+        )
+        overlap_band(
+            corner_px, frozen(item[start[band] : start[band + 1]]), top, MARGIN_PX, count, first, second
+        )
+        hit = count > 1
+        return int(hit.sum()), np.unique(np.stack([first[hit], second[hit]], axis=1), axis=0)
+
+    found = slices(work, len(start) - 1, size=1, threads=threads)
+    pairs = np.concatenate([pairs for _, pairs in found])
+    return sum(count for count, _ in found), np.unique(pairs, axis=0)

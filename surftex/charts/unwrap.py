@@ -1,0 +1,256 @@
+"""`unwrap`: cut a surface into charts and lay them on a square page, by one door to two libraries.
+
+* ``"xatlas"``: the well-known one; slow on large meshes, so it runs in a child process with a budget of time.
+* ``"uvunwrap"``: far faster, seams as short or shorter.
+* ``"auto"``: xatlas up to 20,000 faces, uvunwrap above, and wherever xatlas fails or runs out of time.
+
+Whoever cuts, faces that come out mirrored, folded or stretched are cut off into charts of their own, and uvunwrap
+packs: the page is square, texels are as large everywhere, and charts keep 2 x `gutter_px` texels between them.
+"""
+
+import time
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.charts.atlas import Atlas
+from surftex.charts.mend import bad_faces, cut_off, true_to_shape
+from surftex.charts.xatlas_run import xatlas_charts
+from surftex.errors import InputError, WorkError
+from surftex.kernels.pool import Tick
+from surftex.surface.surface import Surface
+
+Method = Literal["auto", "xatlas", "uvunwrap"]
+
+XATLAS_FACES = 20_000
+"""Faces up to which ``"auto"`` takes xatlas."""
+
+MENDING_ROUNDS = 4
+"""How often bad faces are cut off and all is packed again."""
+
+
+def unwrap(
+    surface: Surface,
+    *,
+    method: Method = "auto",
+    resolution: int = 2048,
+    gutter_px: int | None = None,
+    budget_s: float = 30.0,
+    tick: Tick | None = None,
+) -> Atlas:
+    """Unwrap a surface for baking.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    method : {"auto", "xatlas", "uvunwrap"}
+        Who cuts and flattens.
+    resolution : int
+        Side in texels of the page that the gaps are made for.
+    gutter_px : int, optional
+        Free texels around each chart. R texels keep k mip levels clean where R >= 1.5 * 2^k. Without it, 1/128 of
+        the page, between 2 and 16.
+    budget_s : float
+        Seconds of wall time for xatlas; beyond it uvunwrap takes over, and a note says so.
+    tick : callable, optional
+        Told the finished share; may raise to cancel.
+
+    Returns
+    -------
+    atlas : Atlas
+        All faces upright, none stretched more than 4 times, no overlap. Same input, same bytes.
+
+    Raises
+    ------
+    InputError
+        If an option is out of range.
+    WorkError
+        If the charts do not fit on the page even without gaps.
+    """
+    if method not in get_args(Method):
+        raise InputError(f"unwrapper is {method!r}; it takes one of {', '.join(get_args(Method))}")
+    if resolution < 16:
+        raise InputError(f"resolution is {resolution}; an unwrap takes at least 16 texels")
+    gutter = default_gutter(resolution) if gutter_px is None else int(gutter_px)
+    if not 0 <= gutter < resolution // 4:
+        raise InputError(f"gutter_px is {gutter}; at {resolution} texels it takes 0 to {resolution // 4 - 1}")
+    wanted = ("xatlas" if len(surface.faces) <= XATLAS_FACES else "uvunwrap") if method == "auto" else method
+    notes: list[str] = []
+    vertices = unit_vertices(surface)
+    packed = None
+    alone = np.zeros(len(surface.faces), bool)
+    if wanted == "xatlas":
+        try:
+            charts = xatlas_charts(vertices, surface.faces, budget_s=budget_s, tick=_part(tick, 0, 0.7))
+        except WorkError as problem:
+            notes.append(f"{problem}; uvunwrap took over")
+            wanted = "uvunwrap"
+        else:
+            charts = _even_scale(surface, charts)
+            alone = bad_faces(surface, charts, None)
+            charts = cut_off(surface, charts, alone)
+            packed, gutter = _packed(
+                surface, vertices, charts, resolution, gutter, notes, _part(tick, 0.7, 0.8)
+            )
+    if packed is None:
+        packed, gutter = _generated(surface, vertices, resolution, gutter, notes, _part(tick, 0, 0.8))
+    for _ in range(MENDING_ROUNDS):
+        bad = bad_faces(surface, packed, resolution)
+        if not (bad & ~alone).any():
+            break
+        alone |= bad
+        charts = cut_off(surface, packed, alone)
+        packed, gutter = _packed(surface, vertices, charts, resolution, gutter, notes, _part(tick, 0.8, 1))
+    redraw = np.flatnonzero(alone & bad_faces(surface, packed, None))
+    if len(redraw):
+        packed = true_to_shape(surface, packed, redraw)
+    if alone.any():
+        notes.append(
+            f"{alone.sum()} of {len(surface.faces)} faces came out folded or stretched and lie in charts of their own"
+        )
+    return Atlas.of(
+        surface, packed, unwrapper=wanted, resolution=resolution, gutter_px=gutter, notes=tuple(notes)
+    )
+
+
+def default_gutter(resolution: int) -> int:
+    """Choose the free texels around each chart.
+
+    Parameters
+    ----------
+    resolution : int
+        Side of the page.
+
+    Returns
+    -------
+    gutter_px : int
+        1/128 of the page, between 2 and 16.
+    """
+    return min(16, max(2, resolution // 128))
+
+
+def unit_vertices(surface: Surface) -> NDArray[np.float32]:
+    """Bring the vertices to size one around the origin, where single precision serves any scale.
+
+    Parameters
+    ----------
+    surface : Surface
+        n vertices.
+
+    Returns
+    -------
+    vertices : (n, 3) float32
+        The longest side of their box is one.
+    """
+    used = surface.vertices[np.unique(surface.faces)]
+    low, high = used.min(axis=0), used.max(axis=0)
+    return np.ascontiguousarray((surface.vertices - (low + high) / 2) / (high - low).max(), np.float32)
+
+
+def _even_scale(surface: Surface, charts: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Undo the separate stretch along u and v that xatlas gives each chart when it rounds them to texels."""
+    chart = Atlas.of(surface, charts / max(1.0, np.abs(charts).max())).chart
+    first, second = charts[:, 1] - charts[:, 0], charts[:, 2] - charts[:, 0]
+    along = first / surface.flat[:, 1, :1]
+    up = (second - along * surface.flat[:, 2, :1]) / surface.flat[:, 2, 1:]
+    area = surface.face_area_mm2
+    total = np.bincount(chart, area)
+    scale = np.stack(
+        [np.sqrt(np.bincount(chart, area * (along**2 + up**2)[:, k]) / total) for k in (0, 1)], axis=1
+    )
+    scale[~(scale > 0)] = 1
+    return charts / scale[chart][:, None]
+
+
+def _part(tick: Tick | None, start: float, end: float) -> Tick | None:
+    """Give a stage its share of the progress."""
+    return None if tick is None else lambda share: tick(start + (end - start) * min(1.0, max(0.0, share)))
+
+
+def _generated(
+    surface: Surface,
+    vertices: NDArray[np.float32],
+    resolution: int,
+    gutter: int,
+    notes: list[str],
+    tick: Tick | None,
+) -> tuple[NDArray[np.float64], int]:
+    """Cut, flatten and pack by uvunwrap."""
+    import uvunwrap
+
+    borders = np.ascontiguousarray(surface.neighbor < 0, np.uint8)
+    mesh = uvunwrap.Mesh(vertices, surface.faces.astype(np.uint32), seams=borders)
+    return _fitted(mesh, resolution, gutter, notes, tick)
+
+
+def _packed(
+    surface: Surface,
+    vertices: NDArray[np.float32],
+    charts: NDArray[np.float64],
+    resolution: int,
+    gutter: int,
+    notes: list[str],
+    tick: Tick | None,
+) -> tuple[NDArray[np.float64], int]:
+    """Pack given charts by uvunwrap, which brings them to one scale and keeps their shapes."""
+    import uvunwrap
+
+    low = charts.reshape(-1, 2).min(axis=0)
+    unit = ((charts - low) / max(np.ptp(charts.reshape(-1, 2), axis=0).max(), np.finfo(float).tiny)).astype(
+        np.float32
+    )
+    key = np.concatenate([surface.faces.reshape(-1, 1).astype(np.float64), unit.reshape(-1, 2)], axis=1)
+    _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    mesh = uvunwrap.Mesh(
+        np.ascontiguousarray(vertices[surface.faces.ravel()[first]]),
+        np.ascontiguousarray(index.reshape(-1, 3), np.uint32),
+        existing_uvs=np.ascontiguousarray(unit.reshape(-1, 2)[first]),
+    )
+    return _fitted(mesh, resolution, gutter, notes, tick)
+
+
+def _fitted(
+    mesh: Any, resolution: int, gutter: int, notes: list[str], tick: Tick | None
+) -> tuple[NDArray[np.float64], int]:
+    """Run uvunwrap in its background thread; where the gaps leave no room for the charts, halve them."""
+    import uvunwrap
+
+    asked, reason = gutter, ""
+    while True:
+        job = uvunwrap.start([mesh], page_size=resolution, padding=gutter)
+        try:
+            while not job.done:
+                time.sleep(0.005)
+                if tick and job.progress is not None:
+                    tick(_stage_share(job.progress))
+            result = job.result()
+        except uvunwrap.UnwrapError as problem:
+            result, reason = None, str(problem)
+        finally:
+            if not job.done:
+                job.cancel()
+        if result is not None and result.page_count == 1 and max(result.width, result.height) <= resolution:
+            break
+        if gutter == 0:
+            raise WorkError(
+                f"the charts do not fit on {resolution} x {resolution} texels: {reason or 'too many'}"
+            )
+        gutter //= 2
+    if gutter != asked:
+        notes.append(f"the page has no room for {asked} free texels around each chart; they have {gutter}")
+    uv = np.frombuffer(result.meshes[0].corner_uvs, np.float32).reshape(-1, 3, 2).astype(np.float64)
+    return uv, gutter
+
+
+def _stage_share(progress: Any) -> float:
+    """Turn a report of uvunwrap into a share of the whole."""
+    start, length = {
+        "segmenting": (0.0, 0.4),
+        "parameterizing": (0.4, 0.3),
+        "packing": (0.7, 0.25),
+        "output": (0.95, 0.05),
+    }.get(progress.stage, (0.0, 0.0))
+    within = progress.done / progress.total if progress.total else 0.5
+    return start + length * min(1.0, within)

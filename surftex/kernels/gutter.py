@@ -1,0 +1,208 @@
+"""Texels around a chart: which chart edge is nearest, and where the surface goes on beyond it."""
+
+import math
+
+from surftex.kernels.jit import kernel
+
+
+@kernel
+def nearest_edge_band(corner, edge_face, edge_side, candidate, radius, first_row, face, near, square, owner):
+    """Find the nearest chart edge of every texel without a face, within a radius.
+
+    corner (m, 3, 2) float64 texels; edge_face, edge_side (e,) int32: chart edges, each seen from its face;
+    candidate (k,) int32: edges that may matter to the band, ascending; face (rows, width) int32, -1 where free;
+    near (rows, width) float64, inf on entry: squared distance; square (rows, width) float64, -inf on entry: how far
+    outside of the edge's line; owner (rows, width) int32, -1 on entry. At a corner that two edges share, the edge
+    that the texel is most squarely outside of wins; then the lower one.
+    """
+    rows, width = face.shape
+    for k in range(len(candidate)):
+        e = candidate[k]
+        f, i = edge_face[e], edge_side[e]
+        j, o = (i + 1) % 3, (i + 2) % 3
+        ax, ay = corner[f, i, 0], corner[f, i, 1] - first_row
+        bx, by = corner[f, j, 0], corner[f, j, 1] - first_row
+        dx, dy = bx - ax, by - ay
+        squared = dx * dx + dy * dy
+        length = math.sqrt(squared)
+        side = dx * (corner[f, o, 1] - first_row - ay) - dy * (corner[f, o, 0] - ax)
+        outward = -1.0 if side > 0.0 else 1.0
+        left, right = min(ax, bx) - radius - 0.5, max(ax, bx) + radius - 0.5
+        top, bottom = min(ay, by) - radius - 0.5, max(ay, by) + radius - 0.5
+        if right < 0.0 or bottom < 0.0 or left > width - 1 or top > rows - 1:
+            continue
+        begin, end = int(max(left, 0.0)), int(min(right, width - 1.0))
+        for r in range(int(max(top, 0.0)), int(min(bottom, rows - 1.0)) + 1):
+            y = r + 0.5 - ay
+            for c in range(begin, end + 1):
+                if face[r, c] >= 0:
+                    continue
+                x = c + 0.5 - ax
+                t = 0.0
+                if squared > 0.0:
+                    t = min(1.0, max(0.0, (x * dx + y * dy) / squared))
+                away = (x - t * dx) ** 2 + (y - t * dy) ** 2
+                if away > radius * radius or away > near[r, c] + 1e-5:
+                    continue
+                outside = 0.0
+                if length > 0.0:
+                    outside = outward * (dx * y - dy * x) / length
+                if away < near[r, c] - 1e-5 or outside > square[r, c]:
+                    near[r, c] = away
+                    square[r, c] = outside
+                    owner[r, c] = e
+
+
+@kernel
+def continue_band(
+    corner,
+    flat,
+    neighbor,
+    neighbor_edge,
+    transport,
+    edge_face,
+    edge_side,
+    first_row,
+    owner,
+    face,
+    weight,
+    host,
+    turn,
+):
+    """Walk from the nearest chart edge of every gutter texel straight on over the surface.
+
+    The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line from
+    the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the mesh it
+    stops. face, host (rows, width) int32, weight (rows, width, 3), turn (rows, width) float64 are filled where
+    owner (rows, width) int32 names an edge: the face reached, the face left, and the turn from its frame into the
+    reached one's.
+    """
+    rows, width = owner.shape
+    for r in range(rows):
+        for c in range(width):
+            e = owner[r, c]
+            if e < 0:
+                continue
+            f, i = edge_face[e], edge_side[e]
+            j = (i + 1) % 3
+            px, py = c + 0.5, r + 0.5 + first_row
+            ax, ay = corner[f, i, 0], corner[f, i, 1]
+            dx, dy = corner[f, j, 0] - ax, corner[f, j, 1] - ay
+            squared = dx * dx + dy * dy
+            t = 0.0
+            if squared > 0.0:
+                t = min(1.0, max(0.0, ((px - ax) * dx + (py - ay) * dy) / squared))
+            sx = (1.0 - t) * flat[f, i, 0] + t * flat[f, j, 0]
+            sy = (1.0 - t) * flat[f, i, 1] + t * flat[f, j, 1]
+            ex, ey = corner[f, 1, 0] - corner[f, 0, 0], corner[f, 1, 1] - corner[f, 0, 1]
+            gx, gy = corner[f, 2, 0] - corner[f, 0, 0], corner[f, 2, 1] - corner[f, 0, 1]
+            qx, qy = px - corner[f, 0, 0], py - corner[f, 0, 1]
+            twice = ex * gy - gx * ey
+            tx, ty = sx, sy
+            if abs(twice) > 1e-12:
+                one, two = (qx * gy - gx * qy) / twice, (ex * qy - qx * ey) / twice
+                tx = one * flat[f, 1, 0] + two * flat[f, 2, 0]
+                ty = two * flat[f, 2, 1]
+            g, entered, cosine, sine = f, -1, 1.0, 0.0
+            w0, w1, w2 = 1.0, 0.0, 0.0
+            for step in range(4096):
+                bx, cx, cy = flat[g, 1, 0], flat[g, 2, 0], flat[g, 2, 1]
+                w2 = ty / cy
+                w1 = (tx - w2 * cx) / bx
+                w0 = 1.0 - w1 - w2
+                s2 = sy / cy
+                s1 = (sx - s2 * cx) / bx
+                s0 = 1.0 - s1 - s2
+                leave, soonest, deepest = -1, 2.0, 0.0
+                for v in range(3):
+                    edge = (v + 1) % 3
+                    there = w0 if v == 0 else (w1 if v == 1 else w2)
+                    if edge == entered or there >= -1e-12:
+                        continue
+                    here = max(0.0, s0 if v == 0 else (s1 if v == 1 else s2))
+                    crossing = here / (here - there)
+                    if step == 0 and edge == i:
+                        crossing, there = 0.0, -math.inf
+                    if crossing < soonest - 1e-12 or (crossing <= soonest + 1e-12 and there < deepest):
+                        leave, soonest, deepest = edge, crossing, there
+                if leave < 0:
+                    break
+                other = neighbor[g, leave]
+                if other < 0:
+                    after = (leave + 1) % 3
+                    ux, uy = flat[g, after, 0] - flat[g, leave, 0], flat[g, after, 1] - flat[g, leave, 1]
+                    along = ((tx - flat[g, leave, 0]) * ux + (ty - flat[g, leave, 1]) * uy) / (
+                        ux * ux + uy * uy
+                    )
+                    along = min(1.0, max(0.0, along))
+                    w0 = along if after == 0 else (1.0 - along if leave == 0 else 0.0)
+                    w1 = along if after == 1 else (1.0 - along if leave == 1 else 0.0)
+                    w2 = along if after == 2 else (1.0 - along if leave == 2 else 0.0)
+                    break
+                k, s = transport[g, leave, 0], transport[g, leave, 1]
+                mx, my = transport[g, leave, 2], transport[g, leave, 3]
+                sx, sy = k * sx - s * sy + mx, s * sx + k * sy + my
+                tx, ty = k * tx - s * ty + mx, s * tx + k * ty + my
+                cosine, sine = k * cosine - s * sine, s * cosine + k * sine
+                entered = neighbor_edge[g, leave]
+                g = other
+            w0, w1, w2 = max(0.0, w0), max(0.0, w1), max(0.0, w2)
+            total = w0 + w1 + w2
+            face[r, c], host[r, c] = g, f
+            weight[r, c, 0], weight[r, c, 1], weight[r, c, 2] = w0 / total, w1 / total, w2 / total
+            turn[r, c] = math.atan2(sine, cosine)
+
+
+@kernel
+def nearest_in_columns(mapped, row):
+    """Find the nearest mapped texel of the same column; the upper one of two.
+
+    mapped (height, width) bool -> row (height, width) int32, -1 where the column is empty.
+    """
+    height, width = mapped.shape
+    for c in range(width):
+        row[0, c] = 0 if mapped[0, c] else -1
+    for r in range(1, height):
+        for c in range(width):
+            row[r, c] = r if mapped[r, c] else row[r - 1, c]
+    for r in range(height - 2, -1, -1):
+        for c in range(width):
+            below = row[r + 1, c]
+            if below > r and (row[r, c] < 0 or below - r < r - row[r, c]):
+                row[r, c] = below
+
+
+@kernel
+def nearest_in_rows(row, first, last, site, reach, source):
+    """Find the nearest mapped texel of each texel of rows [first, last): the lower envelope of its row's parabolas.
+
+    row (height, width) int32 of `nearest_in_columns`; site (width,) int64 and reach (width + 1,) float64: room to
+    work in; source (height, width) int64: flat index of the nearest mapped texel, -1 where nothing is mapped.
+    """
+    width = row.shape[1]
+    for r in range(first, last):
+        count = 0
+        for c in range(width):
+            if row[r, c] < 0:
+                continue
+            rise = float(row[r, c] - r) ** 2
+            while True:
+                if count == 0:
+                    start = -math.inf
+                    break
+                b = site[count - 1]
+                start = ((rise + float(c) * c) - (float(row[r, b] - r) ** 2 + float(b) * b)) / (2.0 * (c - b))
+                if start > reach[count - 1]:
+                    break
+                count -= 1
+            site[count] = c
+            reach[count] = start
+            count += 1
+        k = 0
+        for c in range(width):
+            if count == 0:
+                source[r, c] = -1
+                continue
+            while k + 1 < count and reach[k + 1] < c:
+                k += 1
+            source[r, c] = row[r, site[k]] * width + site[k]
