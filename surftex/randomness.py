@@ -34,13 +34,28 @@ class Stream:
         numbers : (count, columns) float64
             Row i is the stream's row first + i, whatever was drawn before.
         """
-        counter = np.arange(first * columns, (first + count) * columns, dtype=np.uint64)
+        return self.at(np.arange(first * columns, (first + count) * columns)).reshape(count, columns)
+
+    def at(self, counter: NDArray[np.integer]) -> NDArray[np.float64]:
+        """Draw the numbers of some counters, in any order.
+
+        Parameters
+        ----------
+        counter : (n,) int
+            From 0 on.
+
+        Returns
+        -------
+        numbers : (n,) float64
+            In [0, 1).
+        """
+        counter = counter.astype(np.uint64)
         with np.errstate(over="ignore"):
             mixed = np.uint64(self.key) + (counter + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
             mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
             mixed = (mixed ^ (mixed >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
             mixed = mixed ^ (mixed >> np.uint64(31))
-        return ((mixed >> np.uint64(11)) * 2.0**-53).reshape(count, columns)
+        return (mixed >> np.uint64(11)) * 2.0**-53
 
 
 def stream(seed: int, *names: str | int) -> Stream:

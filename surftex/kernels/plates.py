@@ -2,7 +2,10 @@
 
 import math
 
+import numpy as np
+
 from surftex.kernels.jit import kernel
+from surftex.kernels.random import uniform
 
 
 @kernel
@@ -22,9 +25,37 @@ def between_sites(start, other, length, first, second, otherwise):
 
 
 @kernel
+def furrow_number(site, square, count, key, blend_mm):
+    """Random number of the furrow nearby, blended over the pairs of the four nearest sites.
+
+    The weights are symmetric in the sites and continuous in the squared distances `square` (mm^2), so that
+    the number has no step, neither inside a plate nor across its border.
+    """
+    if count < 2:
+        return 0.5
+    smallest, second = math.inf, math.inf
+    for k in range(count):
+        if square[k] < smallest:
+            second = smallest
+            smallest = square[k]
+        elif square[k] < second:
+            second = square[k]
+    total, weighted = 0.0, 0.0
+    reach = 2.0 * blend_mm * math.sqrt(max(second, blend_mm * blend_mm))
+    for a in range(min(count, 4)):
+        for b in range(a + 1, min(count, 4)):
+            weight = math.exp((smallest + second - square[a] - square[b]) / reach)
+            low, high = min(site[a], site[b]), max(site[a], site[b])
+            pair = np.uint64(low) * np.uint64(4294967296) + np.uint64(high)
+            total += weight
+            weighted += weight * uniform(key, pair)
+    return weighted / total
+
+
+@kernel
 def plates(
     site, distance, start, other, length, shift, wave_a, wave_b, exponent, rounding_mm,
-    away, own, across, ratio, border_mm, own_mm,
+    key, blend_mm, away, own, ratio, border_mm, own_mm, furrow,
 ):  # fmt: skip
     """Locate samples among Voronoi regions, whose borders may waver and whose corners may be round.
 
@@ -32,10 +63,11 @@ def plates(
     start (s+1,) int64, other (l,) int32, length (l,) float64 mm: distances between neighbour sites;
     shift (s, 2) float64: how each site answers to the wavering; wave_a, wave_b (n,) float32 mm^2;
     exponent: of the norm that rounds plates (inf: the polygon); rounding_mm: of the corners of borders, 0 for none;
+    key uint64, blend_mm: a random number for each furrow, and how far furrows blend where they meet;
     away (k,) float64: scratch.
-    -> own (n,) int32 region, -1 for none; across (n,) int32 region beyond the nearest border, -1 for none;
-    ratio (n,) float32: 0 at the site, 1 on the border; border_mm (n,) float32, inf for none;
-    own_mm (n,) float32: distance to the own site.
+    -> own (n,) int32 region, -1 for none; ratio (n,) float32: 0 at the site, 1 on the border;
+    border_mm (n,) float32, inf for none; own_mm (n,) float32: distance to the own site;
+    furrow (n,) float32: the random number, 0 to 1, of the furrow nearby.
 
     With squared distances D to the own site i and to another j, and l between the sites, q = (D_i - D_j + l^2) / l^2
     is 1 on the bisector, and (1 - q) l / 2 is the distance to the bisector (exact in the plane).
@@ -43,7 +75,7 @@ def plates(
     most = site.shape[1]
     for sample in range(site.shape[0]):
         own[sample] = -1
-        across[sample] = -1
+        furrow[sample] = 0.5
         ratio[sample] = 0.0
         border_mm[sample] = math.inf
         own_mm[sample] = math.inf
@@ -63,6 +95,8 @@ def plates(
                 slot = k
         if slot < 0:
             continue
+        if blend_mm > 0.0:
+            furrow[sample] = furrow_number(site[sample], away, count, key, blend_mm)
         here = site[sample, slot]
         own[sample] = here
         own_mm[sample] = distance[sample, slot]
@@ -87,8 +121,7 @@ def plates(
             away[k] = 0.5 * (1.0 - q) * apart
             if away[k] < nearest:
                 nearest = away[k]
-                across[sample] = candidate
-        if across[sample] < 0:
+        if nearest == math.inf:
             continue
         ratio[sample] = min(1.0, total if exponent == math.inf else total ** (1.0 / exponent))
         if rounding_mm > 0.0:
