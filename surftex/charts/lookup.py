@@ -1,0 +1,77 @@
+"""Looking pictures up: bilinear values and their weights, mips by averages of two by two."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def bilinear_stencil(
+    uv: NDArray[np.float64], width: int, height: int
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Find the four texels that a bilinear lookup mixes.
+
+    Parameters
+    ----------
+    uv : (n, 2) float64
+        Places on the page; u right, v up.
+    width : int
+        Columns of the picture.
+    height : int
+        Rows, the first on top.
+
+    Returns
+    -------
+    texel : (n, 4) int64
+        Flat indices; beyond the page the texel at its edge.
+    weight : (n, 4) float64
+        Their shares, with a sum of 1.
+    """
+    column, row = uv[:, 0] * width - 0.5, (1.0 - uv[:, 1]) * height - 0.5
+    left, top = np.floor(column), np.floor(row)
+    across, down = column - left, row - top
+    columns = np.clip(np.stack([left, left + 1], axis=1), 0, width - 1).astype(np.int64)
+    rows = np.clip(np.stack([top, top + 1], axis=1), 0, height - 1).astype(np.int64)
+    texel = (rows[:, :, None] * width + columns[:, None, :]).reshape(-1, 4)
+    shares = np.stack([1 - down, down], axis=1)[:, :, None] * np.stack([1 - across, across], axis=1)[:, None, :]
+    return texel, shares.reshape(-1, 4)
+
+
+def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Look a picture up.
+
+    Parameters
+    ----------
+    image : (height, width) or (height, width, c) array
+        Numbers of any type.
+    uv : (n, 2) float64
+        Places on the page.
+
+    Returns
+    -------
+    value : (n,) or (n, c) float64
+        Mixed from four texels each.
+    """
+    height, width = image.shape[:2]
+    texel, weight = bilinear_stencil(uv, width, height)
+    values = image.reshape(width * height, -1)[texel].astype(np.float64)
+    mixed = (values * weight[..., None]).sum(axis=1)
+    return mixed[:, 0] if image.ndim == 2 else mixed
+
+
+def half(image: NDArray[Any]) -> NDArray[Any]:
+    """Make the next mip: the mean of each two by two texels.
+
+    Parameters
+    ----------
+    image : (height, width) or (height, width, c) float array
+        Even sides.
+
+    Returns
+    -------
+    image : (height / 2, width / 2) or (height / 2, width / 2, c) array
+        Of the same type.
+    """
+    height, width = image.shape[:2]
+    parts = image.reshape(height // 2, 2, width // 2, 2, *image.shape[2:])
+    return (parts[:, 0, :, 0] + parts[:, 0, :, 1] + parts[:, 1, :, 0] + parts[:, 1, :, 1]) * image.dtype.type(0.25)
