@@ -88,3 +88,23 @@ def checked(
             where = tuple(int(i) for i in wrong[0])
             raise error(f"{name} holds {len(wrong)} values that are not finite; the first is {list(where)}")
     return array.astype(dtype, copy=False)
+
+
+def read_only_view(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
+    """Look at an array without the right to write, as kernels take it.
+
+    Parameters
+    ----------
+    array : ndarray
+        Left as it is.
+    dtype : dtype
+        What the kernel takes.
+
+    Returns
+    -------
+    view : ndarray
+        C-contiguous, read-only; shares memory where it can.
+    """
+    view = np.ascontiguousarray(array, dtype=dtype).view()
+    view.flags.writeable = False
+    return view
