@@ -1,8 +1,9 @@
 """Tangents per corner, as every shader expects them: the MikkTSpace basis, from positions, normals and UV.
 
-Corners that share position, normal and UV, and whose faces hang together along edges with UV of one handedness,
-share one tangent: the faces' tangents, projected into the plane of the normal and weighted by corner angle [1]_.
-Faces whose UV have no area give no tangent; they take the one of the corners that they share.
+Corners that share position, normal and UV, and whose faces hang together along edges with UV of one
+handedness, share one tangent: the faces' tangents, projected into the plane of the normal and weighted by
+corner angle [1]_. Faces whose UV have no area give no tangent; they take the one of the corners that they
+share.
 """
 
 import numpy as np
@@ -78,13 +79,13 @@ def _face_tangents(
 
 
 def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors; zero where there is no length."""
+    """Scale to unit length; zero where there is no length."""
     length = np.sqrt(np.einsum("...i,...i->...", vector, vector))[..., None]
     return np.divide(vector, length, out=np.zeros_like(vector), where=length > _TINY)
 
 
 def _projected(vector: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors in the plane of the normal."""
+    """Lay vectors into the plane of the normal, at unit length."""
     return _unit(vector - normal * np.einsum("...i,...i->...", vector, normal)[..., None])
 
 
@@ -96,7 +97,7 @@ def _corner_angles(position: NDArray[np.float64], normal: NDArray[np.float64]) -
 
 
 def _welded(rows: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Number rows so that equal rows, seen in float32, have equal numbers."""
+    """Give rows that are equal in float32 equal numbers."""
     words = (rows.astype(np.float32) + np.float32(0)).view(np.uint32)
     key = np.full(len(words), 0x9E3779B97F4A7C15, np.uint64)
     for column in words.T:
@@ -104,8 +105,8 @@ def _welded(rows: NDArray[np.float64]) -> NDArray[np.int64]:
         key ^= key >> np.uint64(29)
     _, first, index = np.unique(key, return_index=True, return_inverse=True)
     if (words[first][index] == words).all():
-        return index
-    return np.unique(words, axis=0, return_inverse=True)[1].ravel()
+        return index.astype(np.int64)
+    return np.unique(words, axis=0, return_inverse=True)[1].ravel().astype(np.int64)
 
 
 def _edge_pairs(corner: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -149,13 +150,13 @@ def _groups(
 
 
 def _next_corner(corner: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The corner after 3 f + i in its face."""
+    """Step to the corner after 3 f + i in its face."""
     return corner - corner % 3 + (corner + 1) % 3
 
 
 def _sum_by(group: NDArray[np.int64], vector: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum of the vectors of each group, in the order of the rows."""
-    return np.stack([np.bincount(group, vector[:, k]) for k in range(3)], axis=1)
+    return np.stack([np.bincount(group, vector[:, k]) for k in range(3)], axis=1).astype(np.float64)
 
 
 def _adopt(total: NDArray[np.float64], weld: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -173,7 +174,7 @@ def _adopt(total: NDArray[np.float64], weld: NDArray[np.int64]) -> NDArray[np.fl
 
 
 def _unit_in_plane(total: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit tangents; any direction at right angles to the normal where there is none."""
+    """Lay sums into the plane of the normal; any direction in it where the sum has none."""
     tangent = _projected(total, normal)
     bare = np.flatnonzero(np.abs(tangent.reshape(-1, 3)).max(axis=1) == 0)
     if len(bare):

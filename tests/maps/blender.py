@@ -1,4 +1,4 @@
-"""Runs inside a Python that has bpy: Blender's own MikkTSpace tangents of the mesh in one npz, written to another."""
+"""Run by a Python that has bpy: Blender's own MikkTSpace tangents of the mesh in an npz, into another."""
 
 import sys
 

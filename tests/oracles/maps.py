@@ -4,7 +4,7 @@ import numpy as np
 
 
 def mikktspace(position, normal, uv):
-    """MikkTSpace of corners by its definition: flood from each corner over faces of one handedness, then add up."""
+    """MikkTSpace by its definition: flood from each corner over faces of one handedness, add up."""
     count = len(position)
     key = [
         [(*map(float, position[f, i]), *map(float, normal[f, i]), *map(float, uv[f, i])) for i in range(3)]
@@ -52,3 +52,32 @@ def _meet(one, other, corner):
 def _flat(vector, normal):
     vector = vector - normal * (vector @ normal)
     return vector / np.linalg.norm(vector)
+
+
+def normals(surface, atlas, texels, height, tangents):
+    """Tangent-space normals of a page of one flat chart, texel by texel, from matrices."""
+    where = {int(place): i for i, place in enumerate(texels.texel)}
+    steps = atlas.jacobian_mm(surface, texels.width)
+    result = np.zeros((len(texels), 3))
+    for i, place in enumerate(texels.texel):
+        face, host = texels.points.face[i], texels.host[i]
+        rows, rises = [], []
+        for axis, offset in ((0, 1), (1, -texels.width)):
+            ahead, behind = where.get(int(place) + offset), where.get(int(place) - offset)
+            ahead, behind = (i if j is None else j for j in (ahead, behind))
+            count = (ahead != i) + (behind != i)
+            rows.append(steps[host][:, axis] * max(count, 1))
+            rises.append(float(height[ahead]) - float(height[behind]))
+        slope = np.linalg.solve(np.array(rows), rises)
+        turn = texels.turn_rad[i]
+        slope = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ slope
+        normal = texels.points.barycentric[i] @ surface.shading_normal[face]
+        normal = normal / np.linalg.norm(normal) - slope @ surface.frame[face, :2]
+        column, row = int(place) % texels.width + 0.5, int(place) // texels.width + 0.5
+        corner = np.column_stack([atlas.corner_px(texels.width)[host], np.ones(3)])
+        weight = np.linalg.solve(corner.T, [column, row, 1])
+        up, along = weight @ surface.shading_normal[host], weight @ tangents[host, :, :3]
+        basis = np.stack([along, tangents[host, 0, 3] * np.cross(up, along), up], axis=1)
+        code = np.linalg.solve(basis, normal)
+        result[i] = code / np.linalg.norm(code)
+    return result

@@ -1,0 +1,189 @@
+"""Normal maps from height: slopes are taken along the surface, and told in the frames that shaders use.
+
+The slope comes from the steps between texels, measured in millimetres of surface, so that neither stretch nor
+rotation of the unwrap changes a normal, and a gutter texel shows the normal of the place that it continues
+to. A normal is the shading normal less the slope; on a faceted mesh the slope is tilted with the shading
+normal, so that facets do not show in the relief. The map holds components along the interpolated MikkTSpace
+tangent, bitangent and normal of the face that the texel lies in: +y is up (OpenGL), and a flat place is (0,
+0, 1).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surftex.arrays import checked, frozen
+from surftex.charts.atlas import Atlas
+from surftex.charts.fill import nearest_mapped
+from surftex.charts.texels import Texels
+from surftex.kernels.pool import slices
+from surftex.maps.page import page_metric, read_only, stopped, texel_index
+from surftex.maps.tangents import corner_tangents
+from surftex.surface.surface import Surface
+
+_SLICE = 1 << 17
+
+
+def surface_tangents(surface: Surface, atlas: Atlas) -> NDArray[np.float64]:
+    """MikkTSpace tangents of a surface under an unwrap: those that the exported mesh carries.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces, with their shading normals.
+    atlas : Atlas
+        Its unwrap.
+
+    Returns
+    -------
+    tangent : (m, 3, 4) float64
+        Read-only; see `surftex.maps.tangents.corner_tangents`.
+    """
+    return frozen(corner_tangents(surface.vertices[surface.faces], surface.shading_normal, atlas.corner_uv))
+
+
+def height_gradient(
+    surface: Surface, atlas: Atlas, texels: Texels, height_mm: ArrayLike, *, threads: int | None = None
+) -> NDArray[np.float32]:
+    """Slope of the height along the surface, at every texel.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    atlas : Atlas
+        Its unwrap.
+    texels : Texels
+        t mapped texels.
+    height_mm : (t,) float
+        Height above the surface at each.
+    threads : int, optional
+        None means every core; it cannot change a byte.
+
+    Returns
+    -------
+    gradient : (t, 2) float32
+        mm per mm, in the frame of the face that each texel shows. Not to be trusted beyond a border of the
+        mesh.
+    """
+    from surftex.kernels.normals import gradients
+
+    count = len(texels)
+    height = read_only(checked(height_mm, "height_mm", (count,), np.float32))
+    metric = page_metric(surface, atlas, texels.width, texels.height)
+    texel = read_only(texels.texel - texels.rows[0] * texels.width)
+    index = texel_index(texels, stopped(surface, texels))
+    host, turn, chart = read_only(texels.host), read_only(texels.turn_rad), read_only(atlas.chart)
+    gradient = np.zeros((count, 2), np.float32)
+
+    def work(first: int, last: int) -> None:
+        gradients(
+            first,
+            last,
+            texels.width,
+            texel,
+            index,
+            chart,
+            host,
+            turn,
+            height,
+            metric.stretch,
+            metric.axes,
+            gradient,
+        )
+
+    slices(work, count, size=_SLICE, threads=threads)
+    return gradient
+
+
+def normal_map(
+    surface: Surface,
+    atlas: Atlas,
+    texels: Texels,
+    height_mm: ArrayLike,
+    *,
+    tangents: NDArray[np.float64] | None = None,
+    threads: int | None = None,
+) -> NDArray[np.float32]:
+    """Tangent-space normals of the surface raised by a height, at every mapped texel.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    atlas : Atlas
+        Its unwrap.
+    texels : Texels
+        t mapped texels.
+    height_mm : (t,) float
+        Height above the surface at each.
+    tangents : (m, 3, 4) float64, optional
+        From `surface_tangents`, if they are known already.
+    threads : int, optional
+        None means every core; it cannot change a byte.
+
+    Returns
+    -------
+    encoded : (t, 3) float32
+        Unit vectors along tangent, bitangent and normal; `texels.image` makes a picture of them.
+    """
+    from surftex.kernels.normals import bent_normals, encode_normals
+
+    gradient = read_only(height_gradient(surface, atlas, texels, height_mm, threads=threads))
+    tangents = read_only(surface_tangents(surface, atlas) if tangents is None else tangents)
+    metric = page_metric(surface, atlas, texels.width, texels.height)
+    shading, frame = read_only(surface.shading_normal), surface.frame
+    texel, host = read_only(texels.texel), read_only(texels.host)
+    face, barycentric = read_only(texels.points.face), read_only(texels.points.barycentric)
+    encoded = np.zeros((len(gradient), 3), np.float32)
+
+    def work(first: int, last: int) -> None:
+        bent_normals(first, last, gradient, face, barycentric, frame, shading, encoded)
+        encode_normals(first, last, texels.width, texel, host, metric.weight, shading, tangents, encoded)
+
+    slices(work, len(gradient), size=_SLICE, threads=threads)
+    _mend_border(surface, texels, encoded)
+    return encoded
+
+
+def _mend_border(surface: Surface, texels: Texels, encoded: NDArray[np.float32]) -> None:
+    """Give gutter texels at borders of the mesh the normal of the nearest other texel, in place."""
+    border = stopped(surface, texels)
+    index = texel_index(texels, border)
+    if border.any() and not border.all():
+        source = nearest_mapped((index >= 0).reshape(-1, texels.width)).ravel()
+        place = texels.texel[border] - texels.rows[0] * texels.width
+        encoded[border] = encoded[index[source[place]]]
+
+
+def object_normals(
+    surface: Surface,
+    tangents: NDArray[np.float64],
+    face: NDArray[np.int32],
+    barycentric: NDArray[np.float64],
+    encoded: NDArray[np.float32],
+) -> NDArray[np.float64]:
+    """Decode tangent-space normals as a shader does.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    tangents : (m, 3, 4) float64
+        From `surface_tangents`.
+    face : (n,) int
+        Face that is drawn.
+    barycentric : (n, 3) float
+        Place in it.
+    encoded : (n, 3) float
+        What the map holds there, -1 to 1; any length.
+
+    Returns
+    -------
+    normal : (n, 3) float64
+        Unit vectors in the frame of `Surface.vertices`.
+    """
+    normal = np.einsum("pk,pki->pi", barycentric, surface.shading_normal[face])
+    tangent = np.einsum("pk,pki->pi", barycentric, tangents[face, :, :3])
+    bitangent = tangents[face, 0, 3:] * np.cross(normal, tangent)
+    result = encoded[:, :1] * tangent + encoded[:, 1:2] * bitangent + encoded[:, 2:] * normal
+    return result / np.maximum(np.linalg.norm(result, axis=1, keepdims=True), np.finfo(float).tiny)
