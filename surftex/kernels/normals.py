@@ -23,8 +23,7 @@ def _step(i, other, chart, host, height, stretch, along):
 
 @kernel
 def gradients(first, last, width, texel, index, chart, host, turn, height, stretch, axes, gradient):
-    """Find the gradient of the height in the frame of each texel's face: central differences, one-sided at
-    the rim.
+    """Find the height's gradient in the frame of each texel's face, by central differences.
 
     texel (t,) int64 places on the page; index (pixels,) int32: its inverse, -1 = none; chart (m,) int32;
     host (t,) int32; turn (t,) float32; height (t,) float32 mm; stretch (m, 3), axes (m, 2, 2) float64
