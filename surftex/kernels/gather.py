@@ -1,0 +1,152 @@
+"""What each sample finds in the rows of its bucket: nearest sources, all sources, tangent vectors, nearest curve.
+
+Shared arguments: face (n,) int32, barycentric (n, 3); flat (m, 3, 2); first, cells, grid as in `surftex.kernels.buckets`;
+start (b+1,) int64, entry_row (e,) int32, entry_least (e,) sorted within each bucket; row (r, 9), row_id (r, 3) int32;
+source_of and limit (p,): source and radius of each primitive.
+"""
+
+import math
+
+from surftex.kernels.buckets import bucket_of
+from surftex.kernels.evaluate import distance_to, leaving_direction
+from surftex.kernels.jit import kernel
+
+
+@kernel
+def nearest_sources(
+    begin,
+    end,
+    face,
+    barycentric,
+    flat,
+    first,
+    cells,
+    grid,
+    start,
+    entry_row,
+    entry_least,
+    row,
+    row_id,
+    source_of,
+    limit,
+    source,
+    distance,
+    found,
+):
+    """The k nearest sources of samples [begin, end).
+
+    source (n, k) int32 is given as -1, distance (n, k) as inf, and found (n, k) int32, the row, as -1.
+    """
+    k = source.shape[1]
+    for i in range(begin, end):
+        f = face[i]
+        x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
+        y = barycentric[i, 2] * flat[f, 2, 1]
+        bucket = bucket_of(f, x, y, first, cells, grid)
+        worst = math.inf
+        for e in range(start[bucket], start[bucket + 1]):
+            if entry_least[e] >= worst:
+                break
+            r = entry_row[e]
+            d = distance_to(row_id[r, 2], row, r, x, y)
+            if d >= worst or d > limit[row_id[r, 1]]:
+                continue
+            who = source_of[row_id[r, 1]]
+            at = k - 1
+            for q in range(k):
+                if source[i, q] == who:
+                    at = q
+                    break
+            if d >= distance[i, at]:
+                continue
+            while at > 0 and distance[i, at - 1] > d:
+                distance[i, at] = distance[i, at - 1]
+                source[i, at] = source[i, at - 1]
+                found[i, at] = found[i, at - 1]
+                at -= 1
+            distance[i, at] = d
+            source[i, at] = who
+            found[i, at] = r
+            worst = distance[i, k - 1]
+
+
+@kernel
+def log_map(begin, end, face, barycentric, flat, row, row_id, distance, found, vector):
+    """Tangent vectors at the sources, vector (n, k, 2), of what `nearest_sources` found; 0 where nothing was."""
+    for i in range(begin, end):
+        f = face[i]
+        x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
+        y = barycentric[i, 2] * flat[f, 2, 1]
+        for q in range(found.shape[1]):
+            r = found[i, q]
+            vector[i, q, 0] = 0.0
+            vector[i, q, 1] = 0.0
+            if r >= 0:
+                c, s = leaving_direction(row_id[r, 2], row, r, x, y)
+                vector[i, q, 0] = distance[i, q] * c
+                vector[i, q, 1] = distance[i, q] * s
+
+
+@kernel
+def sources_within(
+    begin,
+    end,
+    fill,
+    face,
+    barycentric,
+    flat,
+    first,
+    cells,
+    grid,
+    start,
+    entry_row,
+    entry_least,
+    row,
+    row_id,
+    source_of,
+    limit,
+    point_start,
+    source,
+    distance,
+    found,
+):
+    """All sources within their radius of samples [begin, end), ordered by (distance, source).
+
+    With fill == 0 an upper bound of their number goes to point_start[i + 1]. With 1, sample i writes from point_start[i] on, and
+    point_start[i + 1] stays as it is: unused places keep source -1.
+    """
+    for i in range(begin, end):
+        f = face[i]
+        x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
+        y = barycentric[i, 2] * flat[f, 2, 1]
+        bucket = bucket_of(f, x, y, first, cells, grid)
+        low = point_start[i]
+        n = 0
+        for e in range(start[bucket], start[bucket + 1]):
+            r = entry_row[e]
+            d = distance_to(row_id[r, 2], row, r, x, y)
+            if d > limit[row_id[r, 1]]:
+                continue
+            if fill == 0:
+                n += 1
+                continue
+            who = source_of[row_id[r, 1]]
+            at = low + n
+            for q in range(low, low + n):
+                if source[q] == who:
+                    at = q
+                    break
+            if at == low + n:
+                n += 1
+            elif d >= distance[at]:
+                continue
+            while at > low and (distance[at - 1] > d or (distance[at - 1] == d and source[at - 1] > who)):
+                distance[at] = distance[at - 1]
+                source[at] = source[at - 1]
+                found[at] = found[at - 1]
+                at -= 1
+            distance[at] = d
+            source[at] = who
+            found[at] = r
+        if fill == 0:
+            point_start[i + 1] = n
