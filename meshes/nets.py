@@ -42,9 +42,27 @@ def without_checkers(value):
                 if len(outer) == 2:
                     value[min(outer, key=lambda node: value[node])] = -1e-3
                     found += 1
+        found += _without_opposites(value)
         if not found:
             break
     return value
+
+
+def _without_opposites(value):
+    """Drop one of two inner corners that face each other across a cell, or of two outer ones."""
+    corners = {(i, j, k): value[tuple(slice(d, n - 1 + d) for d, n in zip((i, j, k), value.shape, strict=True))] < 0
+               for i in (0, 1) for j in (0, 1) for k in (0, 1)}
+    count = sum(corner.astype(int) for corner in corners.values())
+    found = 0
+    for a in ((0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0)):
+        b = tuple(1 - d for d in a)
+        for inside, wanted in ((True, 2), (False, 6)):
+            for where in np.argwhere((count == wanted) & (corners[a] == inside) & (corners[b] == inside)):
+                nodes = [tuple(where + np.array(d)) for d in (a, b)]
+                node = min(nodes, key=lambda node: abs(value[node]))
+                value[node] = 1e-3 if inside else -1e-3
+                found += 1
+    return found
 
 
 def surface_nets(function, xs, ys, zs):
@@ -157,8 +175,8 @@ def triangles(points, quads):
     return cut.reshape(-1, 3)
 
 
-def solid(function, xs, ys, zs, rounds=12, most=None):
-    """Triangles of the zero set: nets, then rounds of evening out along the surface, each followed by a pull."""
+def solid(function, xs, ys, zs, rounds=12, most=None, fair=10):
+    """Triangles of the zero set: nets, then rounds of evening out along the surface, each followed by a pull; then `fair` of fairing."""
     points, quads = without_doublets(*surface_nets(function, xs, ys, zs))
     most = most or 0.5 * float(np.diff(xs).min())
     links, degree = neighbours(quads, len(points))
@@ -168,4 +186,6 @@ def solid(function, xs, ys, zs, rounds=12, most=None):
         move -= (move * normal).sum(axis=1, keepdims=True) * normal
         points, normal = pulled(function, points + 0.6 * move, most)
     points, _ = pulled(function, points, most)
+    for weight in (0.5, -0.53) * fair:
+        points = points + weight * ((links @ points) / degree - points)
     return points, triangles(points, quads)
