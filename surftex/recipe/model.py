@@ -1,0 +1,192 @@
+"""`Recipe`: everything that decides a bake, as a user writes it in TOML."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictInt,
+    StrictStr,
+    field_validator,
+)
+
+from surftex.errors import RecipeError
+from surftex.recipe.fields import FieldEntry, PositiveMillimetres
+from surftex.recipe.layer import Layer
+
+MAPS = ("base_color", "roughness", "metallic", "specular", "normal", "height", "occlusion", "region")
+"""Maps that can be asked for."""
+
+
+NO_LAYER = "a recipe needs at least one [[layer]] with a material or a preset"
+"""What is wrong with a recipe that says nothing."""
+
+
+class MeshSettings(BaseModel):
+    """Which mesh, and how large it is."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    path: StrictStr | None = Field(
+        default=None, description="Relative to the recipe's folder, which it may not leave."
+    )
+    units: Literal["mm", "cm", "m", "in"] | None = Field(
+        default=None, description="Unit of the file's coordinates."
+    )
+    size: PositiveMillimetres | None = Field(
+        default=None, description="Length that the longest side is scaled to."
+    )
+    part: StrictStr | None = Field(
+        default=None, description="A material slot, a face group or a node of the file."
+    )
+
+
+def _map_list(value: Any) -> Any:
+    return [name.strip() for name in value.split(",") if name.strip()] if isinstance(value, str) else value
+
+
+class BakeSettings(BaseModel):
+    """How the pages come out."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    resolution: Annotated[StrictInt, Field(ge=16, le=32768)] = 2048
+    maps: Annotated[tuple[StrictStr, ...], BeforeValidator(_map_list)] | None = Field(
+        default=None, description="What the materials make, if not given."
+    )
+    gutter: Annotated[StrictInt, Field(ge=0, le=256)] | None = Field(
+        default=None, description="Free texels around each chart; chosen by the resolution if not given."
+    )
+    unwrapper: Literal["auto", "xatlas", "uvunwrap"] = "auto"
+    uv: Literal["auto", "keep", "unwrap"] = "auto"
+    equalise: StrictBool = Field(
+        default=False, description="Even out what is left of seams by least squares."
+    )
+    displaced: StrictBool = Field(default=False, description="Write the displaced mesh as well.")
+    max_features: Annotated[StrictInt, Field(ge=1)] = 5_000_000
+
+    @field_validator("maps")
+    @classmethod
+    def _known_maps(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        from surftex.recipe.hints import nearest
+
+        for name in names or ():
+            if name not in MAPS:
+                raise ValueError(f"unknown map {name!r}{nearest(name, MAPS)}")
+        if names is not None and len(names) == 0:
+            raise ValueError(f"no maps to bake; known are {', '.join(MAPS)}")
+        return None if names is None else tuple(dict.fromkeys(names))
+
+
+class Recipe(BaseModel):
+    """A mesh, materials in layers, the fields that they use, and how to bake.
+
+    Layers lie over one another in their order: each covers what lies below by its mask.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    surftex: Literal[1] = Field(default=1, description="Version of the format.")
+    seed: StrictInt = 0
+    mesh: MeshSettings = MeshSettings()
+    bake: BakeSettings = BakeSettings()
+    fields_: dict[str, FieldEntry] = Field(default_factory=dict, alias="fields")
+    layer: tuple[Layer, ...]
+
+    @field_validator("layer")
+    @classmethod
+    def _some_layer(cls, layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
+        if not layers:
+            raise ValueError(NO_LAYER)
+        return layers
+
+    @staticmethod
+    def load(path: str | Path, *, allow_outside: bool = False, changes: tuple[str, ...] = ()) -> "Recipe":
+        """Read a recipe from a TOML file.
+
+        Parameters
+        ----------
+        path : path
+            Of the file.
+        allow_outside : bool
+            Whether the files it names may lie outside its folder.
+        changes : tuple of str
+            ``key=value`` lines, as of the command's ``--set``.
+
+        Returns
+        -------
+        recipe : Recipe
+            With the paths it names made absolute.
+
+        Raises
+        ------
+        RecipeError
+            With file, line, key and a hint, in one line.
+        """
+        from surftex.recipe.read import load_recipe
+
+        return load_recipe(path, allow_outside=allow_outside, changes=changes)
+
+    @staticmethod
+    def of(material: "BaseModel | Recipe", **settings: Any) -> "Recipe":
+        """Wrap a material that covers everything.
+
+        Parameters
+        ----------
+        material : Leather or Recipe
+            A recipe is handed back, with the settings.
+        **settings : Any
+            Keys of `BakeSettings`, and ``seed``; None leaves what is there.
+
+        Returns
+        -------
+        recipe : Recipe
+            With one layer, if a material was given.
+
+        Raises
+        ------
+        RecipeError
+            If it is neither, or a setting is wrong.
+        """
+        from surftex.recipe.mistakes import checked_recipe
+
+        given = {key: value for key, value in settings.items() if value is not None}
+        if isinstance(material, Recipe):
+            values: dict[str, Any] = dict(material)
+            values["fields"] = values.pop("fields_")
+        elif isinstance(material, BaseModel) and hasattr(material, "place"):
+            values = {"layer": (Layer(material=material),)}
+        else:
+            raise RecipeError(
+                f"{type(material).__name__} is no material; take a Leather, a Recipe, or the name of a preset"
+            )
+        if "seed" in given:
+            values["seed"] = given.pop("seed")
+        if given:
+            bake = values.get("bake", BakeSettings())
+            values["bake"] = {**bake.model_dump(), **given}
+        return checked_recipe(values)
+
+    def written_out(self) -> dict[str, Any]:
+        """Write the recipe out with every default, as reports do.
+
+        Returns
+        -------
+        recipe : dict
+            JSON types; lengths in millimetres.
+        """
+        return {
+            "surftex": self.surftex,
+            "seed": self.seed,
+            "mesh": self.mesh.model_dump(mode="json"),
+            "bake": self.bake.model_dump(mode="json"),
+            "fields": {
+                name: entry.model_dump(mode="json") if isinstance(entry, BaseModel) else entry
+                for name, entry in self.fields_.items()
+            },
+            "layer": [layer.table() for layer in self.layer],
+        }
