@@ -1,0 +1,64 @@
+"""Millimetres in a unit of a file: said by the user, by the format, or guessed from the size."""
+
+from surftex.errors import MeshFileError, RecipeError
+from surftex.units import MM_PER_UNIT, length_mm
+
+SMALLEST_MM, LARGEST_MM = 20.0, 5000.0
+"""A guess must put the longest side between these."""
+
+
+def mm_per_unit(
+    longest_side: float, where: str, *, own: float | None, units: str | None, size: str | float | None
+) -> tuple[float, list[str]]:
+    """Settle the scale of a file.
+
+    Parameters
+    ----------
+    longest_side : float
+        Of the bounding box, in the file's unit.
+    where : str
+        File name for messages.
+    own : float or None
+        Millimetres in a unit, where the format fixes it.
+    units : str or None
+        What the user says a unit is: "mm", "cm", "m", "in".
+    size : str, float or None
+        Length that the longest side shall have; a bare number is millimetres.
+
+    Returns
+    -------
+    mm_per_unit : float
+        The scale.
+    warnings : list of str
+        A guess, and how to overrule it.
+
+    Raises
+    ------
+    MeshFileError
+        If no guess is plausible.
+    RecipeError
+        If `units` or `size` does not read.
+    """
+    if units is not None and units not in MM_PER_UNIT:
+        raise RecipeError(f"unknown unit {units!r}; known are {', '.join(MM_PER_UNIT)}")
+    if size is not None:
+        length = length_mm(size)
+        if not 1e-3 <= length <= 1e7:
+            raise RecipeError(
+                f"size {size!r} is not between 0.001 mm and 10 km; give the length of the longest side, such as '300 mm'"
+            )
+        return length / longest_side, []
+    if units is not None:
+        return MM_PER_UNIT[units], []
+    if own is not None:
+        return own, []
+    for name in ("m", "cm", "mm"):
+        length = longest_side * MM_PER_UNIT[name]
+        if SMALLEST_MM <= length <= LARGEST_MM:
+            return MM_PER_UNIT[name], [
+                f"the file names no unit; taken as {name}, its longest side is {length:.4g} mm (--units or --size overrules this)"
+            ]
+    raise MeshFileError(
+        f"{where}: names no unit, and as metres, centimetres or millimetres its longest side of {longest_side:.4g} "
+        f"is not between 20 mm and 5 m; give --units or --size"
+    )
