@@ -9,8 +9,8 @@ from surftex.kernels.random import uniform
 
 
 @kernel
-def between_sites(start, other, length, first, second, otherwise):
-    """Distance between two sites from rows of neighbours (`other` ascends in each), or `otherwise`."""
+def between_sites(start, other, length, place, first, second):
+    """Distance between two sites from rows of neighbours (`other` ascends in each); straight where they have none."""
     low, last = start[first], start[first + 1]
     high = last
     while low < high:
@@ -21,47 +21,55 @@ def between_sites(start, other, length, first, second, otherwise):
             high = middle
     if low < last and other[low] == second:
         return length[low]
-    return otherwise
+    return math.sqrt(
+        (place[first, 0] - place[second, 0]) ** 2
+        + (place[first, 1] - place[second, 1]) ** 2
+        + (place[first, 2] - place[second, 2]) ** 2
+    )
 
 
 @kernel
 def furrow_number(site, square, count, key, blend_mm):
-    """Random number of the furrow nearby, blended over the pairs of the four nearest sites.
+    """Random number of the furrow nearby, blended over the pairs of the nearest sites.
 
-    The weights are symmetric in the sites and continuous in the squared distances `square` (mm^2), so that
-    the number has no step, neither inside a plate nor across its border.
+    The weights are symmetric in the sites, continuous in the squared distances `square` (mm^2), and nothing for
+    pairs with the farthest site: the number has no step, inside a plate, across its border, or where another
+    site takes the last place.
     """
-    if count < 2:
-        return 0.5
-    smallest, second = math.inf, math.inf
+    smallest, second, largest = math.inf, math.inf, 0.0
     for k in range(count):
         if square[k] < smallest:
             second = smallest
             smallest = square[k]
         elif square[k] < second:
             second = square[k]
-    total, weighted = 0.0, 0.0
+        largest = max(largest, square[k])
+    if count < 2:
+        return 0.5
     reach = 2.0 * blend_mm * math.sqrt(max(second, blend_mm * blend_mm))
-    for a in range(min(count, 4)):
-        for b in range(a + 1, min(count, 4)):
-            weight = math.exp((smallest + second - square[a] - square[b]) / reach)
-            low, high = min(site[a], site[b]), max(site[a], site[b])
-            pair = np.uint64(low) * np.uint64(4294967296) + np.uint64(high)
-            total += weight
-            weighted += weight * uniform(key, pair)
+    least = math.exp((second - largest) / reach) if count > 2 else 0.0
+    total, weighted = 1e-9, 0.5e-9
+    for a in range(count):
+        for b in range(a + 1, count):
+            weight = math.exp((smallest + second - square[a] - square[b]) / reach) - least
+            if weight > 0.0:
+                low, high = min(site[a], site[b]), max(site[a], site[b])
+                pair = np.uint64(low) * np.uint64(4294967296) + np.uint64(high)
+                total += weight
+                weighted += weight * uniform(key, pair)
     return weighted / total
 
 
 @kernel
 def plates(
-    site, distance, start, other, length, shift, wave_a, wave_b, exponent, rounding_mm,
+    site, distance, start, other, length, place, shift, wave_a, wave_b, exponent, rounding_mm,
     key, blend_mm, away, own, ratio, border_mm, own_mm, furrow,
 ):  # fmt: skip
     """Locate samples among Voronoi regions, whose borders may waver and whose corners may be round.
 
     site (n, k) int32, -1 for none; distance (n, k) float64 mm, ascending, inf for none;
-    start (s+1,) int64, other (l,) int32, length (l,) float64 mm: distances between neighbour sites;
-    shift (s, 2) float64: how each site answers to the wavering; wave_a, wave_b (n,) float32 mm^2;
+    start (s+1,) int64, other (l,) int32, length (l,) float64 mm: distances between neighbour sites; place (s, 3) float64 mm;
+    shift (s, 2) float64 mm^2: how each site answers to the wavering; wave_a, wave_b (n,) float32;
     exponent: of the norm that rounds plates (inf: the polygon); rounding_mm: of the corners of borders, 0 for none;
     key uint64, blend_mm: a random number for each furrow, and how far furrows blend where they meet;
     away (k,) float64: scratch.
@@ -107,9 +115,7 @@ def plates(
                 away[k] = math.inf
                 continue
             candidate = site[sample, k]
-            apart = between_sites(
-                start, other, length, here, candidate, distance[sample, k] + distance[sample, slot]
-            )
+            apart = between_sites(start, other, length, place, here, candidate)
             if apart <= 0.0:
                 away[k] = math.inf
                 continue

@@ -30,17 +30,25 @@ class Leather(BaseModel):
 
     cell_size: LengthField = _field(0.85, "cells", "Least distance between neighbour cells.")
     cell_ratio: float | str = _field(1.0, "cells", "Length of cells over their width; 1 is round.")
-    direction: str | None = _field(None, "cells", "Direction field that cells are long in; smoothest without it.")
-    cell_shape: Literal["round", "ellipse", "box"] = _field(
-        "round", "cells", "What parts the cells: walking distance, distance in the ellipse of each, or in a box."
+    direction: str | None = _field(
+        None, "cells", "Direction field that cells are long in; smoothest without it."
     )
-    regularity: int = _field(0, "cells", "Rounds of evening out the cells; 0 is hide, 4 is scales.", ge=0, le=20)
+    cell_shape: Literal["round", "ellipse", "box"] = _field(
+        "round",
+        "cells",
+        "What parts the cells: walking distance, distance in the ellipse of each, or in a box.",
+    )
+    regularity: int = _field(
+        0, "cells", "Rounds of evening out the cells; 0 is hide, 4 is scales.", ge=0, le=20
+    )
     waviness: Share = _field(0.0, "cells", "How far borders waver, as a share of the cell size.")
     rounding: Share = _field(0.0, "cells", "Radius of the corners of cells, as a share of the cell size.")
     variation: Share = _field(0.0, "cells", "How much cells differ in height.")
 
     crista_height: Length = _field(0.05, "cristae", "Rise of a plate from its border to its middle.")
-    crista_exponent: float = _field(3.0, "cristae", "2 is a dome, larger is flatter with a steeper rim.", gt=0, le=32)
+    crista_exponent: float = _field(
+        3.0, "cristae", "2 is a dome, larger is flatter with a steeper rim.", gt=0, le=32
+    )
     crista_shape: Literal["soft", "polygon", "inscribed"] = _field(
         "soft", "cristae", "Rounded plates; cut gems; round pebbles on a floor."
     )
@@ -49,7 +57,9 @@ class Leather(BaseModel):
     sulcus_width: Length = _field(0.17, "sulci", "From the middle of a furrow to its rim.")
     sulcus_variation: Share = _field(0.0, "sulci", "How much furrows differ in depth and width.")
 
-    invasion: float | str = _field(0.0, "cracks", "Length by which a furrow along the stress cracks the next plate.")
+    invasion: float | str = _field(
+        0.0, "cracks", "Length by which a furrow along the stress cracks the next plate."
+    )
     invasion_mode: Literal["length", "relative"] = _field(
         "length", "cracks", "Whether `invasion` is millimetres, or a factor of the furrow's half length."
     )
@@ -82,13 +92,17 @@ class Leather(BaseModel):
     crown_pit_depth: Length = _field(0.3, "crowns", "Of the quill's pit.")
     crown_pit_width: Length = _field(0.4, "crowns", "From the middle of the pit to its rim.")
 
-    scale_overlap: Share = _field(0.0, "scales", "How far plates tilt to overlap like tiles along the direction.")
+    scale_overlap: Share = _field(
+        0.0, "scales", "How far plates tilt to overlap like tiles along the direction."
+    )
 
     grain_height: Length = _field(0.004, "grain", "Rise of the finest bumps.")
     grain_size: PositiveLength = _field(0.25, "grain", "Wavelength of the finest bumps.")
 
     color: Color = _field("#a0602f", "colour", "Of the plates.", validate_default=True)
-    furrow_color: Color = _field("#5a2e14", "colour", "Of the dye that pools in furrows.", validate_default=True)
+    furrow_color: Color = _field(
+        "#5a2e14", "colour", "Of the dye that pools in furrows.", validate_default=True
+    )
     crest_color: Color = _field("#c08850", "colour", "Of worn crests.", validate_default=True)
     dye: Share = _field(0.6, "colour", "How much dye the furrows hold.")
     pore_dye: Share = _field(0.5, "colour", "How much dye the pores hold.")
@@ -192,4 +206,4 @@ class Leather(BaseModel):
             features = place(
                 self, surface, seed, fields=fields, max_features=max_features, threads=threads, tick=tick
             )
-        return LeatherPattern.build(self, surface, seed, features, fields=fields, threads=threads)
+        return LeatherPattern.build(self, surface, seed, features, threads)

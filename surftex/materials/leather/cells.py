@@ -1,0 +1,224 @@
+"""The cells of a leather at samples: whose plate, how far out, how far from the furrow."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.arrays import frozen
+from surftex.features.poisson import Sites
+from surftex.geodesics.records import Records
+from surftex.geodesics.windows import Buckets, flood_points, nearest, within
+from surftex.kernels.pool import Tick
+from surftex.materials.leather.model import Leather
+from surftex.randomness import Stream
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+NEIGHBOURS = 5
+"""Nearest sites that decide a plate: five are exact for Poisson-disk sites up to 5:3."""
+
+REACH = 2.6
+"""Radius of the search, in spacings: no point of a full surface has fewer than six sites nearer."""
+
+_BOX_EXPONENT = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Plates:
+    """Where n samples lie among the cells.
+
+    Attributes
+    ----------
+    own : (n,) int32
+        Cell of each sample; -1 where there is none.
+    ratio : (n,) float32
+        0 at the cell's site, 1 on its border.
+    border_mm : (n,) float32
+        To the border, its corners rounded; inf where a cell is alone.
+    own_mm : (n,) float32
+        To the site.
+    furrow : (n,) float32
+        Random number of the furrow nearby, 0 to 1.
+    along : (n,) float32
+        Where a sample lies in its cell along the cell's direction, -1 to 1; zeros unless asked for.
+    """
+
+    own: NDArray[np.int32]
+    ratio: NDArray[np.float32]
+    border_mm: NDArray[np.float32]
+    own_mm: NDArray[np.float32]
+    furrow: NDArray[np.float32]
+    along: NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """The cells of one surface, ready to be asked; make them with `Cells.build`."""
+
+    records: Records
+    size_mm: NDArray[np.float64]
+    stretch: NDArray[np.float64]
+    angle_rad: NDArray[np.float64]
+    start: NDArray[np.int64]
+    other: NDArray[np.int32]
+    apart_mm: NDArray[np.float64]
+    place_mm: NDArray[np.float64]
+    inscribed_mm: NDArray[np.float64]
+    shift: NDArray[np.float64]
+    shape: str
+    key: int
+
+    @staticmethod
+    def build(
+        leather: Leather,
+        surface: Surface,
+        table: NDArray,
+        random: Stream,
+        threads: int | None = None,
+        tick: Tick | None = None,
+    ) -> "Cells":
+        """Flood from every site, and measure how far neighbours are apart.
+
+        Parameters
+        ----------
+        leather : Leather
+            What the cells are like.
+        surface : Surface
+            Where they lie.
+        table : (c,) structured array
+            `face`, `barycentric`, `major_mm`, `minor_mm`, `angle_rad` of each site.
+        random : Stream
+            Of the cells.
+        threads : int, optional
+            None means every core.
+        tick : callable, optional
+            Told the finished share.
+
+        Returns
+        -------
+        cells : Cells
+            Read-only.
+        """
+        sites = SurfacePoints.trusted(
+            np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
+        )
+        major, minor = table["major_mm"].astype(np.float64), table["minor_mm"].astype(np.float64)
+        buckets = Buckets.of(surface, float(np.median(minor)) if len(minor) else 1.0)
+        records = flood_points(surface, sites, REACH * major, buckets=buckets, threads=threads, tick=tick)
+        stretch = major / minor
+        angle = table["angle_rad"].astype(np.float64)
+        start, other, apart, vector = within(records, sites, threads=threads)
+        here = np.repeat(np.arange(len(sites)), np.diff(start))
+        if leather.cell_shape != "round":
+            apart = _length(leather.cell_shape, vector, other, stretch, angle)
+        start, other, apart = _both_ways(len(sites), here, other, apart)
+        index = np.repeat(np.arange(len(sites)), np.diff(start))
+        inscribed = np.full(len(sites), np.inf)
+        np.minimum.at(inscribed, index, apart / 2)
+        theta = 2 * np.pi * random.uniform(len(sites))[:, 0]
+        return Cells(
+            records, frozen(major), frozen(stretch), frozen(angle), frozen(start), frozen(other), frozen(apart),
+            frozen(sites.positions(surface)),
+            frozen(np.where(np.isfinite(inscribed), inscribed, major)),
+            frozen(np.stack([np.cos(theta), np.sin(theta)], axis=1) * (major**2)[:, None]), leather.cell_shape, random.key,
+        )  # fmt: skip
+
+    def at(
+        self, leather: Leather, points: SurfacePoints, wave: tuple[NDArray[np.float32], NDArray[np.float32]]
+    ) -> Plates:
+        """Locate samples.
+
+        Parameters
+        ----------
+        leather : Leather
+            What the cells are like.
+        points : SurfacePoints
+            n samples.
+        wave : two (n,) float32
+            Noise that makes borders waver, as shares of a cell's squared size.
+
+        Returns
+        -------
+        plates : Plates
+            Of the n samples.
+        """
+        from surftex.kernels.plates import plates
+
+        n = len(points)
+        vectors = self.shape != "round" or leather.scale_overlap > 0
+        site, distance, *rest = nearest(self.records, points, NEIGHBOURS, vectors=vectors, threads=1)
+        if self.shape != "round":
+            index = np.maximum(site, 0)
+            length = _length(self.shape, rest[0].reshape(-1, 2), index.ravel(), self.stretch, self.angle_rad)
+            distance = np.where(site >= 0, length.reshape(site.shape), np.inf)
+        own, ratio, border = np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32)
+        own_mm, furrow = np.zeros(n, np.float32), np.zeros(n, np.float32)
+        exponent = np.inf if leather.crista_shape == "polygon" else 6.0
+        size = float(np.median(self.size_mm)) if len(self.size_mm) else 1.0
+        plates(
+            site, distance, self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave, exponent,
+            leather.rounding * size, np.uint64(self.key), 0.15 * size * (leather.sulcus_variation > 0),
+            np.zeros(NEIGHBOURS), own, ratio, border, own_mm, furrow,
+        )  # fmt: skip
+        if leather.crista_shape == "inscribed":
+            ratio = np.minimum(own_mm / self.inscribed_mm[np.maximum(own, 0)], 1).astype(np.float32)
+        along = np.zeros(n, np.float32)
+        if leather.scale_overlap > 0:
+            slot = np.argmax(site == own[:, None], axis=1)
+            vector, cell = rest[0][np.arange(n), slot], np.maximum(own, 0)
+            turned = vector[:, 0] * np.cos(self.angle_rad[cell]) + vector[:, 1] * np.sin(self.angle_rad[cell])
+            along = np.clip(turned / (0.6 * self.size_mm[cell]), -1, 1).astype(np.float32)
+        return Plates(own, ratio, border, own_mm, furrow, along)
+
+
+def _length(
+    shape: str, vector: NDArray, site: NDArray, stretch: NDArray[np.float64], angle: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Length of tangent vectors at sites, in the ellipse or box of each site."""
+    cosine, sine = np.cos(angle[site]), np.sin(angle[site])
+    x = np.abs(vector[:, 0] * cosine + vector[:, 1] * sine)
+    y = np.abs(vector[:, 1] * cosine - vector[:, 0] * sine) * stretch[site]
+    if shape == "ellipse":
+        return np.hypot(x, y)
+    most = np.maximum(np.maximum(x, y), np.finfo(float).tiny)
+    return most * ((x / most) ** _BOX_EXPONENT + (y / most) ** _BOX_EXPONENT) ** (1 / _BOX_EXPONENT)
+
+
+def shape_length(shape: str, sites: Sites) -> Callable[[NDArray, NDArray, NDArray], NDArray[np.float64]]:
+    """Measure tangent vectors in the ellipse or box of their sites.
+
+    Parameters
+    ----------
+    shape : str
+        ``"ellipse"`` or ``"box"``.
+    sites : Sites
+        c sites.
+
+    Returns
+    -------
+    length : callable
+        ``length(vector (n, 2), site (n,), angle_rad (c,)) -> (n,)`` mm along the major axis.
+    """
+    stretch = sites.axis_mm[:, 0] / sites.axis_mm[:, 1]
+    return lambda vector, site, angle: _length(shape, vector, site, stretch, angle)
+
+
+def _both_ways(
+    count: int, here: NDArray, other: NDArray, apart: NDArray
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]:
+    """Rows of neighbours for each site, the mean of both directions, without the site itself."""
+    real = (other >= 0) & (other != here)
+    low, high = np.minimum(here, other)[real].astype(np.int64), np.maximum(here, other)[real].astype(np.int64)
+    pair, index = np.unique(low * count + high, return_inverse=True)
+    mean = np.bincount(index, apart[real]) / np.maximum(np.bincount(index), 1) if len(pair) else np.zeros(0)
+    low, high = pair // max(count, 1), pair % max(count, 1)
+    first, second, length = (
+        np.concatenate([low, high]),
+        np.concatenate([high, low]),
+        np.concatenate([mean, mean]),
+    )
+    order = np.lexsort((second, first))
+    start = np.searchsorted(first[order], np.arange(count + 1)).astype(np.int64)
+    return start, second[order].astype(np.int32), length[order]

@@ -1,0 +1,223 @@
+"""`LeatherPattern`: a leather placed on a surface, ready to answer at any sample."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.fields.noise import Noise
+from surftex.fields.profiles import smoothstep
+from surftex.geodesics.pieces import CurvePieces
+from surftex.geodesics.windows import Buckets, flood_points, nearest
+from surftex.materials.layers import Layers
+from surftex.materials.leather.cells import Cells
+from surftex.materials.leather.model import Leather
+from surftex.materials.leather.relief import Skeleton, layers
+from surftex.randomness import stream
+from surftex.surface.points import Samples, SurfacePoints
+from surftex.surface.surface import Surface
+
+CHANNELS = ("height_mm", "base_color", "roughness", "specular", "region")
+
+_CROWN_SPREAD = 0.25
+"""How much crowns differ in size, either way."""
+
+_WAVE = 2.7
+"""Noise has an rms of 0.31; a waviness of 0.1 shall move borders by about a tenth of a cell at most places."""
+
+
+@dataclass(frozen=True, eq=False)
+class LeatherPattern:
+    """Leather on a surface; make one with `Leather.place`.
+
+    Attributes
+    ----------
+    leather : Leather
+        What it is like.
+    surface : Surface
+        Where it lies.
+    features : mapping of str to structured array
+        Everything placed, by kind: ``cell``, ``crack``, ``wrinkle``, ``pocket``, ``pore``, ``crown``.
+    """
+
+    leather: Leather
+    surface: Surface
+    features: Mapping[str, NDArray]
+    cells: Cells
+    curves: Mapping[str, Any]
+    points: Mapping[str, Any]
+    seed: int
+
+    channels = CHANNELS
+
+    @staticmethod
+    def build(
+        leather: Leather,
+        surface: Surface,
+        seed: int,
+        features: Mapping[str, NDArray],
+        threads: int | None = None,
+    ) -> "LeatherPattern":
+        """Flood from features that are placed already.
+
+        Parameters
+        ----------
+        leather : Leather
+            What it is like.
+        surface : Surface
+            Where it lies.
+        seed : int
+            Of the noise and of what differs from cell to cell.
+        features : mapping of str to structured array
+            As `LeatherPattern.features` has them.
+        threads : int, optional
+            None means every core.
+
+        Returns
+        -------
+        pattern : LeatherPattern
+            Ready to answer.
+        """
+        curves, points = {}, {}
+        for kind, width in (
+            ("crack", leather.sulcus_width),
+            ("wrinkle", leather.wrinkle_width * (3 if leather.wrinkle_fold else 1)),
+        ):
+            if kind in features and len(features[kind]):
+                table = features[kind]
+                buckets = Buckets.of(surface, width)
+                curves[kind] = flood_curves(
+                    surface, _pieces(surface, table), 1.5 * width, buckets=buckets, threads=threads
+                )
+        for kind, width in (
+            ("pocket", leather.pocket_width),
+            ("pore", leather.pore_width),
+            ("crown", leather.crown_width * (1 + _CROWN_SPREAD)),
+        ):
+            if kind in features and len(features[kind]):
+                table = features[kind]
+                where = SurfacePoints.trusted(
+                    np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
+                )
+                buckets = Buckets.of(surface, width)
+                points[kind] = flood_points(surface, where, 1.5 * width, buckets=buckets, threads=threads)
+        return LeatherPattern(
+            leather, surface, MappingProxyType(dict(features)),
+            Cells.build(leather, surface, features["cell"], stream(seed, "leather", "borders"), threads),
+            MappingProxyType(curves), MappingProxyType(points), seed,
+        )  # fmt: skip
+
+    def at(self, samples: Samples) -> Layers:
+        """Evaluate at samples.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        layers : Layers
+            The channels named by `channels`.
+        """
+        leather, points, footprint = self.leather, samples.points, samples.footprint_mm
+        position = points.positions(self.surface)
+        plates = self.cells.at(leather, points, self._wave(position, footprint))
+        cell = np.maximum(plates.own, 0)
+        numbers = self._cell_numbers
+        crack, wrinkle = self._nearest_curve("crack", points), self._nearest_curve("wrinkle", points)
+        crown_mm, crown_scale = self._nearest_crown(points)
+        skeleton = Skeleton(
+            plates=plates,
+            cell_mm=self.cells.size_mm[cell].astype(np.float32),
+            level=numbers[cell, 0],
+            tone=numbers[cell, 1],
+            crack_mm=crack[0],
+            crack_share=crack[1],
+            wrinkle_mm=wrinkle[0],
+            wrinkle_share=wrinkle[1],
+            wrinkle_side=wrinkle[2],
+            pocket_mm=self._nearest_point("pocket", points),
+            pore_mm=self._nearest_point("pore", points),
+            crown_mm=crown_mm,
+            crown_scale=crown_scale,
+            grain=self._noise("grain", leather.grain_size, 2, position, footprint, leather.grain_height),
+            mottle=self._noise(
+                "mottle", leather.mottle_size, 3, position, footprint, leather.mottle + leather.wear
+            ),
+        )
+        return layers(leather, skeleton, footprint)
+
+    @cached_property
+    def _cell_numbers(self) -> NDArray[np.float32]:
+        """Two random numbers of each cell."""
+        return (
+            stream(self.seed, "leather", "cell").uniform(len(self.features["cell"]) + 1, 2).astype(np.float32)
+        )
+
+    @cached_property
+    def _crown_scale(self) -> NDArray[np.float32]:
+        """Size of each crown, 1 on average."""
+        numbers = stream(self.seed, "leather", "crown size").uniform(len(self.features["crown"]))[:, 0]
+        return (1 + _CROWN_SPREAD * (2 * numbers - 1)).astype(np.float32)
+
+    def _noise(
+        self, name: str, size_mm: float, octaves: int, position: NDArray, footprint_mm: NDArray, amount: float
+    ) -> NDArray[np.float32]:
+        if amount <= 0:
+            return np.zeros(len(position), np.float32)
+        return Noise(stream(self.seed, "leather", name), size_mm, octaves).at(position, footprint_mm)
+
+    def _wave(
+        self, position: NDArray, footprint_mm: NDArray
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        size = float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.0
+        amount = np.float32(_WAVE * self.leather.waviness)
+        first, second = (
+            amount * self._noise(name, size, 2, position, footprint_mm, amount)
+            for name in ("wave a", "wave b")
+        )
+        return first, second
+
+    def _nearest_curve(self, kind: str, points: SurfacePoints) -> tuple[Any, Any, Any]:
+        """Distance, how much of the curve is left there, and its side; None where there are no such curves."""
+        if kind not in self.curves:
+            return None, None, None
+        piece, distance, along, side = nearest_curve(self.curves[kind], points, threads=1)
+        table = self.features[kind]
+        length = table["length_mm"][np.maximum(piece, 0)]
+        if kind == "crack":
+            left = 1 - along / length if self.leather.crack_taper else np.ones(len(points))
+        elif self.leather.wrinkle_taper > 0:
+            left = np.minimum(along, length - along) / np.minimum(self.leather.wrinkle_taper, length / 2)
+        else:
+            left = np.ones(len(points))
+        share = smoothstep(0.0, 1.0, np.where(piece >= 0, left, 0).astype(np.float32))
+        return distance.astype(np.float32), share, side.astype(np.float32)
+
+    def _nearest_point(self, kind: str, points: SurfacePoints) -> NDArray[np.float32] | None:
+        if kind not in self.points:
+            return None
+        return nearest(self.points[kind], points, 1, threads=1)[1][:, 0].astype(np.float32)
+
+    def _nearest_crown(self, points: SurfacePoints) -> tuple[Any, Any]:
+        if "crown" not in self.points:
+            return None, None
+        crown, distance = nearest(self.points["crown"], points, 1, threads=1)
+        return distance[:, 0].astype(np.float32), self._crown_scale[np.maximum(crown[:, 0], 0)]
+
+
+def _pieces(surface: Surface, table: NDArray) -> CurvePieces:
+    """Curves from the rows of features."""
+    face = np.ascontiguousarray(table["face"])
+    corner = surface.flat[face]
+    return CurvePieces.of(
+        face,
+        np.einsum("pk,pki->pi", table["barycentric"], corner),
+        np.einsum("pk,pki->pi", table["end_barycentric"], corner),
+        table["curve"],
+    )

@@ -1,0 +1,162 @@
+"""Height and finish of a leather from distances to its skeleton: the sum of its elements, each a profile."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.fields.profiles import dome, smoothstep, valley, visible
+from surftex.materials.layers import Layers
+from surftex.materials.leather.cells import Plates
+from surftex.materials.leather.model import Leather
+
+Float = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Distances of n samples to the nearest element of each kind; None where a leather has none of the kind.
+
+    Attributes
+    ----------
+    plates : Plates
+        Place among the cells.
+    cell_mm : (n,) float32
+        Size of the sample's cell.
+    level, tone : (n,) float32
+        Random numbers of the cell, 0 to 1.
+    crack_mm, crack_share : (n,) float32
+        To the nearest crack, and how much of it is left there.
+    wrinkle_mm, wrinkle_share, wrinkle_side : (n,) float32
+        Likewise; the side is +1 or -1.
+    pocket_mm, pore_mm, crown_mm, crown_scale : (n,) float32
+        Distances; and the size of the nearest crown, 1 on average.
+    grain, mottle : (n,) float32
+        Noise, about -1 to 1.
+    """
+
+    plates: Plates
+    cell_mm: Float
+    level: Float
+    tone: Float
+    crack_mm: Float | None
+    crack_share: Float | None
+    wrinkle_mm: Float | None
+    wrinkle_share: Float | None
+    wrinkle_side: Float | None
+    pocket_mm: Float | None
+    pore_mm: Float | None
+    crown_mm: Float | None
+    crown_scale: Float | None
+    grain: Float
+    mottle: Float
+
+
+def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
+    """Turn distances into channels.
+
+    Parameters
+    ----------
+    leather : Leather
+        Depths, widths, colours.
+    skeleton : Skeleton
+        Distances of n samples.
+    footprint_mm : (n,) float32
+        Side of each sample's patch.
+
+    Returns
+    -------
+    layers : Layers
+        `height_mm`, `base_color`, `roughness`, `specular`, `region`.
+    """
+    plates = skeleton.plates
+    cell_visible = visible(skeleton.cell_mm, footprint_mm)
+    variation = 1 + leather.variation * (2 * skeleton.level - 1) * cell_visible
+    crest = dome(plates.ratio, leather.crista_exponent, skeleton.cell_mm, footprint_mm)
+    height = leather.crista_height * variation * crest
+    if leather.scale_overlap:
+        height += leather.scale_overlap * leather.crista_height * plates.along * crest * cell_visible
+
+    share = 1 - leather.sulcus_variation * plates.furrow
+    furrow = valley(
+        plates.border_mm, leather.sulcus_width * (0.5 + 0.5 * share), footprint_mm, dimension=1
+    ) * share  # fmt: skip
+    if skeleton.crack_mm is not None:
+        width = leather.sulcus_width * skeleton.crack_share
+        crack = valley(skeleton.crack_mm, width, footprint_mm, dimension=1) * skeleton.crack_share
+        furrow = np.maximum(furrow, crack) if leather.crack_taper else np.minimum(furrow + crack, 1)
+    relief = -leather.sulcus_depth * furrow
+
+    wrinkle = np.float32(0)
+    if skeleton.wrinkle_mm is not None and skeleton.wrinkle_side is not None:
+        wrinkle = valley(skeleton.wrinkle_mm, leather.wrinkle_width, footprint_mm, dimension=1)
+        wrinkle = wrinkle * skeleton.wrinkle_share
+        relief = relief - leather.wrinkle_depth * wrinkle
+        if leather.wrinkle_fold:
+            reach = 2 * leather.wrinkle_width
+            swell = valley(
+                np.abs(skeleton.wrinkle_mm - leather.wrinkle_width), reach, footprint_mm, dimension=1
+            )
+            near = smoothstep(0, leather.wrinkle_width, skeleton.wrinkle_mm)
+            lift = leather.wrinkle_fold * leather.wrinkle_depth * skeleton.wrinkle_share
+            relief = relief + lift * swell * near * (skeleton.wrinkle_side > 0)
+    if skeleton.pocket_mm is not None:
+        relief = relief - leather.pocket_depth * valley(
+            skeleton.pocket_mm, leather.pocket_width, footprint_mm, dimension=2
+        )
+    pore = np.float32(0)
+    if skeleton.pore_mm is not None:
+        pore = valley(skeleton.pore_mm, leather.pore_width, footprint_mm, dimension=2)
+        relief = relief - leather.pore_depth * pore
+
+    crown = np.float32(0)
+    if skeleton.crown_mm is not None and skeleton.crown_scale is not None:
+        t = np.minimum(skeleton.crown_mm / (leather.crown_width * skeleton.crown_scale), 1)
+        crown = (1 - t * t) ** 2
+        pit = valley(skeleton.crown_mm, leather.crown_pit_width, footprint_mm, dimension=2)
+        height = height * (1 - 0.6 * crown)
+        relief = (
+            relief * (1 - 0.6 * crown)
+            + leather.crown_height * skeleton.crown_scale * crown
+            - leather.crown_pit_depth * pit
+        )
+        pore = np.maximum(pore, pit)
+    grain = skeleton.grain * (1 - 0.7 * furrow)
+    height = height + relief + leather.grain_height * grain
+    return Layers(
+        {
+            "height_mm": height.astype(np.float32),
+            **_finish(leather, skeleton, crest, furrow, wrinkle, pore, crown),
+        }
+    )
+
+
+def _finish(
+    leather: Leather,
+    skeleton: Skeleton,
+    crest: Float,
+    furrow: Float,
+    wrinkle: Float,
+    pore: Float,
+    crown: Float,
+) -> dict[str, NDArray]:
+    """Dye pools in furrows, wrinkles and pores; crests are worn, polished and paler; the tone drifts."""
+    drift = skeleton.mottle
+    deep = np.maximum(smoothstep(0.15, 0.9, furrow), 0.8 * wrinkle)
+    dye = np.clip(leather.dye * deep + leather.pore_dye * pore, 0, 1)
+    high = smoothstep(0.55, 0.98, crest) * (1 - deep)
+    worn = leather.wear * np.clip(np.maximum(high, crown) * (0.8 + 0.9 * drift), 0, 1)
+    tone = 1 + 2 * leather.mottle * drift + leather.cell_tone * (2 * skeleton.tone - 1)
+    tint = np.array([1.0, 1.05, 1.1], np.float32)
+    color = np.array(leather.color, np.float32) * (1 + (tone - 1)[:, None] * tint)
+    color += dye[:, None] * (np.array(leather.furrow_color, np.float32) - color)
+    color += worn[:, None] * (np.array(leather.crest_color, np.float32) - color)
+    rough = leather.roughness + 0.08 * drift
+    rough = rough + deep * (leather.furrow_roughness - rough)
+    rough = rough + (high * (1 - dye)) * (leather.crest_roughness - leather.roughness)
+    return {
+        "base_color": np.clip(color, 0, 1).astype(np.float32),
+        "roughness": np.clip(rough, 0.04, 1).astype(np.float32),
+        "specular": (leather.specular * (1 - 0.5 * dye)).astype(np.float32),
+        "region": skeleton.plates.own,
+    }

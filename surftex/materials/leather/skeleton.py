@@ -1,0 +1,195 @@
+"""Placing a leather: cells, then what hangs on their Voronoi graph, then pores and crowns, a stream for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import RecipeError
+from surftex.features.poisson import Sites, poisson_disk
+from surftex.features.relax import relaxed
+from surftex.features.uniform import scatter
+from surftex.fields.fieldset import FieldSet
+from surftex.geodesics.tracing import trace
+from surftex.kernels.pool import Tick
+from surftex.materials.leather.cells import REACH, shape_length
+from surftex.materials.leather.model import Leather
+from surftex.randomness import stream
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+PORE_PER_MM2 = 400.0
+"""Highest density of pores that an expression may reach."""
+
+
+def place(
+    leather: Leather,
+    surface: Surface,
+    seed: int,
+    *,
+    fields: FieldSet | None,
+    max_features: int,
+    threads: int | None,
+    tick: Tick | None,
+) -> dict[str, NDArray]:
+    """Place every element.
+
+    Parameters
+    ----------
+    leather : Leather
+        What to place.
+    surface : Surface
+        Where.
+    seed : int
+        Of all streams.
+    fields : FieldSet, optional
+        Named numbers and directions.
+    max_features : int
+        Refuse beyond it.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    features : dict of str to structured array
+        By kind; each row has `face` and `barycentric`.
+    """
+    names = fields or FieldSet(surface)
+    told = tick or (lambda share: None)
+    direction = _direction(leather, surface, names)
+    sites = poisson_disk(
+        surface, _number(names, leather.cell_size, "cell_size"), stream(seed, "leather", "cells"),
+        ratio=_number(names, leather.cell_ratio, "cell_ratio"), direction=direction, max_sites=max_features,
+        threads=threads, tick=lambda share: told(0.5 * share),
+    )  # fmt: skip
+    if leather.regularity:
+        sites = relaxed(
+            surface, sites, stream(seed, "leather", "evening out"), rounds=leather.regularity, threads=threads,
+            length=None if leather.cell_shape == "round" else shape_length(leather.cell_shape, sites), reach=REACH,
+        )  # fmt: skip
+    features = {"cell": sites.features}
+    features |= _on_the_graph(leather, surface, seed, names, sites, direction, threads)
+    told(0.8)
+    pores = _pores(leather, surface, seed, names, max_features, threads)
+    if len(pores):
+        features["pore"] = point_table(pores)
+    if leather.crown_spacing > 0:
+        crowns = poisson_disk(
+            surface,
+            leather.crown_spacing,
+            stream(seed, "leather", "crowns"),
+            max_sites=max_features,
+            threads=threads,
+        )
+        features["crown"] = point_table(crowns.points)
+    told(1.0)
+    return features
+
+
+def point_table(points: SurfacePoints) -> NDArray:
+    """Rows of features that are nothing but points.
+
+    Parameters
+    ----------
+    points : SurfacePoints
+        n points.
+
+    Returns
+    -------
+    table : (n,) structured array
+        `face`, `barycentric`.
+    """
+    table = np.zeros(len(points), [("face", "i4"), ("barycentric", "f8", 3)])
+    table["face"], table["barycentric"] = points.face, points.barycentric
+    return table
+
+
+def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[SurfacePoints], NDArray]:
+    """A number as it is; an expression as a function of points."""
+    if isinstance(value, str):
+        try:
+            return names.scalar(value)
+        except RecipeError as problem:
+            raise RecipeError(f"leather.{key}: {problem}") from None
+    return value
+
+
+def _direction(leather: Leather, surface: Surface, names: FieldSet) -> DirectionField | None:
+    """Direction of the cells; None where none is needed."""
+    if leather.direction is not None:
+        return names.direction(leather.direction)
+    if leather.cell_ratio == 1.0 and leather.cell_shape == "round" and leather.scale_overlap == 0:
+        return None
+    return DirectionField.smoothest(surface)
+
+
+def _on_the_graph(
+    leather: Leather, surface: Surface, seed: int, names: FieldSet, sites: Sites,
+    direction: DirectionField | None, threads: int | None,
+) -> dict[str, NDArray]:  # fmt: skip
+    """Cracks, wrinkles and pockets: what hangs on the Voronoi graph of the cells."""
+    count = leather.wrinkle_count + int(stream(seed, "leather", "wrinkle count").uniform(1)[0, 0]
+                                        + leather.wrinkle_density * surface.area_mm2 / 1000)  # fmt: skip
+    cracked = leather.invasion != 0
+    if not (count or cracked or leather.pocket_depth > 0) or len(sites) == 0:
+        return {}
+    graph = VoronoiGraph.of(surface, sites, threads=threads)
+    features = {}
+    if count or cracked:
+        stress = (
+            names.direction(leather.stress)
+            if leather.stress
+            else direction or DirectionField.smoothest(surface)
+        )
+        if cracked:
+            amount = names.scalar(leather.invasion)
+            features["crack"] = cracks(
+                surface, graph, stress, amount, relative=leather.invasion_mode == "relative"
+            )
+        if count:
+            features["wrinkle"] = wrinkles(
+                surface, graph, stress, stream(seed, "leather", "wrinkles"), count=count,
+                length_mm=leather.wrinkle_length, angle_rad=np.radians(leather.wrinkle_angle),
+            )  # fmt: skip
+    if leather.pocket_depth > 0 and len(graph.vertices):
+        features["pocket"] = point_table(graph.vertices)
+    return {kind: table for kind, table in features.items() if len(table)}
+
+
+def _pores(
+    leather: Leather, surface: Surface, seed: int, names: FieldSet, max_features: int, threads: int | None
+) -> SurfacePoints:
+    """Pores, alone or in groups, by area; a mask thins them and moves none."""
+    random = stream(seed, "leather", "pores")
+    density, weight = leather.pore_density, None
+    if isinstance(density, str):
+        field = names.scalar(density)
+        peak = float(np.max(field(scatter(surface, stream(seed, "leather", "pore peak"), count=4096)))) * 1.25
+        density = min(max(peak, 0.0), PORE_PER_MM2)
+
+        def weight(points: SurfacePoints) -> NDArray:
+            return np.clip(field(points) / max(density, 1e-12), 0, 1)
+
+    expected = density * surface.area_mm2
+    if expected > max_features:
+        raise RecipeError(
+            f"leather.pore_density: {density:g} per mm^2 on {surface.area_mm2:.0f} mm^2 are {expected:.0f} pores, more "
+            f"than the {max_features} features allowed; lower it, or raise --max-features"
+        )
+    if density <= 0:
+        return SurfacePoints.trusted(np.zeros(0, np.int32), np.zeros((0, 3)))
+    group = leather.pore_group
+    middle = scatter(surface, random, density_per_mm2=density / group, weight=weight)
+    if group == 1:
+        return middle
+    numbers = stream(seed, "leather", "pore groups").uniform(len(middle), 2)
+    heading = (numbers[:, :1] + np.arange(group) / group) * 2 * np.pi
+    away = leather.pore_spread * (0.8 + 0.4 * numbers[:, 1:]) * np.ones(group)
+    centre = SurfacePoints.trusted(
+        np.repeat(middle.face, group), np.repeat(middle.barycentric, group, axis=0)
+    )
+    return trace(surface, centre, heading.ravel(), away.ravel(), threads=threads).end

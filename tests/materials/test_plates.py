@@ -1,0 +1,101 @@
+"""The plates of a leather: the kernel against the formulas, and the formulas against the plane."""
+
+import numpy as np
+import pytest
+from scipy.spatial import Voronoi, cKDTree
+
+from surftex.arrays import frozen
+from surftex.kernels.plates import plates
+from surftex.randomness import stream
+from tests.oracles.leather import plate
+
+SITES = 140
+
+
+def plane_sites(seed):
+    rng = np.random.default_rng(seed)
+    places = []
+    while len(places) < SITES:
+        dart = rng.uniform(0, 10, 2)
+        if not places or np.min(np.hypot(*(np.array(places) - dart).T)) > 0.55:
+            places.append(dart)
+    return np.array(places)
+
+
+def run(places, samples, *, k=5, exponent=6.0, rounding=0.0, wave=0.0, blend=0.0, seed=0, compare=False):
+    rng = np.random.default_rng(seed)
+    distance, site = cKDTree(places).query(samples, k=k)
+    apart = np.linalg.norm(places[:, None] - places, axis=2)
+    start = np.arange(len(places) + 1, dtype=np.int64) * len(places)
+    other = np.tile(np.arange(len(places), dtype=np.int32), len(places))
+    shift = frozen(rng.normal(size=(len(places), 2)))
+    waves = [frozen((wave * rng.normal(size=len(samples))).astype(np.float32)) for _ in range(2)]
+    n = len(samples)
+    own, ratio, border = np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32)
+    own_mm, furrow = np.zeros(n, np.float32), np.zeros(n, np.float32)
+    key = stream(3, "borders").key
+    plates(site.astype(np.int32), distance, frozen(start), frozen(other), frozen(apart.ravel()),
+           frozen(np.column_stack([places, np.zeros(len(places))])), shift, *waves, exponent, rounding, np.uint64(key),
+           blend, np.zeros(k), own, ratio, border, own_mm, furrow)  # fmt: skip
+    twin = [] if not compare else [
+        plate(site[i], distance[i], apart, shift, np.array([waves[0][i], waves[1][i]], float), exponent, rounding, key,
+              blend or 1.0)
+        for i in range(n)
+    ]  # fmt: skip
+    return (own, ratio, border, own_mm, furrow), twin
+
+
+@pytest.mark.parametrize(
+    ("exponent", "rounding", "wave", "blend"),
+    [(6.0, 0.0, 0.0, 0.0), (np.inf, 0.0, 0.0, 0.0), (3.0, 0.08, 0.0, 0.1), (6.0, 0.05, 0.02, 0.15)],
+)
+def test_kernel_reads_as_the_formulas(exponent, rounding, wave, blend):
+    samples = np.random.default_rng(1).uniform(1, 9, (300, 2))
+    found, twin = run(
+        plane_sites(2), samples, exponent=exponent, rounding=rounding, wave=wave, blend=blend, compare=True
+    )
+    wanted = [np.array(column) for column in zip(*twin, strict=True)]
+    assert np.array_equal(found[0], wanted[0])
+    for have, want in zip(found[1:4], wanted[1:4], strict=True):
+        assert np.allclose(have, want, atol=2e-6)
+    if blend:
+        assert np.allclose(found[4], wanted[4], atol=2e-6)
+    else:
+        assert (found[4] == 0.5).all()
+
+
+def test_border_distance_is_that_to_the_voronoi_edges():
+    places = plane_sites(4)
+    samples = np.random.default_rng(5).uniform(2, 8, (2000, 2))
+    found, _ = run(places, samples)
+    diagram = Voronoi(places)
+    ends = np.array([diagram.vertices[ridge] for ridge in diagram.ridge_vertices if -1 not in ridge])
+    a, b = ends[:, 0], ends[:, 1]
+    span = b - a
+    t = np.clip(((samples[:, None] - a) * span).sum(-1) / (span**2).sum(-1), 0, 1)
+    truth = np.linalg.norm(samples[:, None] - (a + t[..., None] * span), axis=-1).min(axis=1)
+    assert np.quantile(np.abs(found[2] - truth), 0.998) < 1e-6
+
+
+def test_ratio_runs_from_the_site_to_the_border():
+    places = plane_sites(6)
+    inside = places[(np.abs(places - 5) < 3).all(axis=1)]
+    at_sites, _ = run(places, inside)
+    assert at_sites[1].max() < 0.2
+    samples = np.random.default_rng(7).uniform(2, 8, (4000, 2))
+    found, _ = run(places, samples)
+    near = found[2] < 0.01
+    assert near.any()
+    assert found[1][near].min() > 0.95
+    assert found[1].max() <= 1
+
+
+def test_furrow_numbers_have_no_steps():
+    places = plane_sites(8)
+    steepest = []
+    for count in (3000, 30000):
+        line = np.column_stack([np.linspace(2, 8, count), np.linspace(3, 7.3, count)])
+        found, _ = run(places, line, blend=0.08)
+        steepest.append(np.abs(np.diff(found[4])).max())
+    assert steepest[1] < steepest[0] / 8
+    assert np.ptp(found[4]) > 0.3
