@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from surftex.arrays import checked
+from surftex.arrays import checked, equal_rows
 
 _TINY = float(np.finfo(np.float32).tiny)
 
@@ -54,7 +54,7 @@ def corner_tangents(
         return np.zeros((0, 3, 4))
     face_tangent, doubled_area = _face_tangents(position, uv)
     known = np.abs(doubled_area) > _TINY
-    weld = _welded(np.concatenate([position, normal, uv], axis=2).reshape(-1, 8))
+    weld = equal_rows(np.concatenate([position, normal, uv], axis=2).reshape(-1, 8).astype(np.float32))
     edge, other = _edge_pairs(weld.reshape(-1, 3))
     upright = _handedness(doubled_area > 0, known, edge // 3, other // 3)
     group = _groups(edge, other, upright, count)
@@ -94,19 +94,6 @@ def _corner_angles(position: NDArray[np.float64], normal: NDArray[np.float64]) -
     onward = _projected(np.roll(position, -1, axis=1) - position, normal)
     back = _projected(np.roll(position, 1, axis=1) - position, normal)
     return np.arccos(np.clip(np.einsum("fci,fci->fc", onward, back), -1, 1))
-
-
-def _welded(rows: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Give rows that are equal in float32 equal numbers."""
-    words = (rows.astype(np.float32) + np.float32(0)).view(np.uint32)
-    key = np.full(len(words), 0x9E3779B97F4A7C15, np.uint64)
-    for column in words.T:
-        key = (key ^ column) * np.uint64(0xBF58476D1CE4E5B9)
-        key ^= key >> np.uint64(29)
-    _, first, index = np.unique(key, return_index=True, return_inverse=True)
-    if (words[first][index] == words).all():
-        return index.astype(np.int64)
-    return np.unique(words, axis=0, return_inverse=True)[1].ravel().astype(np.int64)
 
 
 def _edge_pairs(corner: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -1,0 +1,194 @@
+"""Pictures on disk: PNG of 8 and 16 bits, EXR of 32 bits. The same pixels always give the same bytes.
+
+Compression is set for speed: Paeth and the other slow filters win little on baked maps, so rows are told as the
+difference to the row above. 16-bit normals are noise in their low bytes, where a search for repeats finds
+nothing: run lengths cost half the time and 4 percent more bytes.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError, WorkError
+
+_UP, _RUNS, _ROWS = 32, 3, 64
+
+
+def png_bytes(pixels: NDArray[Any]) -> bytes:
+    """Pack pixels as PNG.
+
+    Parameters
+    ----------
+    pixels : (height, width) or (height, width, 3) uint8 or uint16
+        Row 0 on top. Nothing in the file says whether they are linear.
+
+    Returns
+    -------
+    data : bytes
+        A whole PNG file, without time stamp.
+
+    Raises
+    ------
+    InputError
+        If shape or type are others.
+    """
+    import imagecodecs
+
+    if pixels.dtype not in (np.uint8, np.uint16) or pixels.shape[2:] not in ((), (3,)):
+        raise InputError(f"PNG takes (h, w) or (h, w, 3) of uint8 or uint16, not {pixels.shape} of {pixels.dtype}")
+    strategy = _RUNS if pixels.dtype == np.uint16 else 0
+    return bytes(imagecodecs.png_encode(np.ascontiguousarray(pixels), level=1, filter=_UP, strategy=strategy))
+
+
+def read_png(path: str | Path) -> NDArray[Any]:
+    """Read a PNG as it is.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+
+    Returns
+    -------
+    pixels : (height, width) or (height, width, c) uint8 or uint16
+        Codes, not light.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is no PNG.
+    """
+    import imagecodecs
+
+    try:
+        return imagecodecs.png_decode(Path(path).read_bytes())
+    except (OSError, imagecodecs.PngError) as problem:
+        raise InputError(f"{path}: no readable PNG: {problem}") from None
+
+
+def srgb_codes(linear: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Encode linear light for a screen, by 8-bit sRGB.
+
+    Parameters
+    ----------
+    linear : (height, width, ...) float
+        0 to 1; clipped.
+
+    Returns
+    -------
+    codes : (height, width, ...) uint8
+        Within 0.54 of the exact curve, before and after rounding.
+    """
+    share = np.linspace(0, 1, 65536)
+    curve = np.where(share <= 0.0031308, 12.92 * share, 1.055 * share ** (1 / 2.4) - 0.055)
+    codes = np.rint(255 * curve).astype(np.uint8)
+    return _by_rows(linear, np.uint8, lambda rows: codes[_scaled(rows, 65535).astype(np.uint16)])
+
+
+def unit_codes(values: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Encode numbers from 0 to 1 evenly in 8 bits.
+
+    Parameters
+    ----------
+    values : (height, width, ...) float
+        Clipped to 0 to 1.
+
+    Returns
+    -------
+    codes : (height, width, ...) uint8
+        0 to 255.
+    """
+    return _by_rows(values, np.uint8, lambda rows: _scaled(rows, 255))
+
+
+def normal_codes(normal: NDArray[np.floating]) -> NDArray[np.uint16]:
+    """Encode unit vectors evenly in 16 bits.
+
+    Parameters
+    ----------
+    normal : (height, width, 3) float
+        Components from -1 to 1.
+
+    Returns
+    -------
+    codes : (height, width, 3) uint16
+        0 for -1, 65535 for 1; 0 lies between 32767 and 32768.
+    """
+    return _by_rows(normal, np.uint16, lambda rows: _scaled(0.5 * rows + np.float32(0.5), 65535))
+
+
+def _scaled(rows: NDArray[Any], top: int) -> NDArray[Any]:
+    """Clip to 0..1 and scale so that cutting the fraction off rounds."""
+    return np.clip(rows, 0, 1) * np.float32(top) + np.float32(0.5)
+
+
+def _by_rows(values: NDArray[Any], dtype: Any, code: Callable[[NDArray[Any]], NDArray[Any]]) -> NDArray[Any]:
+    """Encode a few rows at a time: the copies in between stay small."""
+    result = np.zeros(values.shape, dtype)
+    for first in range(0, len(values), _ROWS):
+        result[first : first + _ROWS] = code(values[first : first + _ROWS])
+    return result
+
+
+def write_exr(path: str | Path, image: NDArray[np.floating], *, channel: str = "Y") -> None:
+    """Write numbers as they are, in an EXR of 32-bit floats, compressed without loss (ZIP).
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+    image : (height, width) or (height, width, 3) float
+        Row 0 on top.
+    channel : str
+        Name of the only channel; three are called R, G, B.
+
+    Raises
+    ------
+    InputError
+        If the shape is another.
+    WorkError
+        If the file cannot be written.
+    """
+    import OpenEXR
+
+    if image.shape[2:] not in ((), (3,)):
+        raise InputError(f"EXR takes (h, w) or (h, w, 3), not {image.shape}")
+    pixels = np.ascontiguousarray(image, np.float32)
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    try:
+        with OpenEXR.File(header, {channel if pixels.ndim == 2 else "RGB": pixels}) as file:
+            file.write(str(path))
+    except (RuntimeError, OSError) as problem:
+        raise WorkError(f"{path}: cannot write: {str(problem).splitlines()[0]}") from None
+
+
+def read_exr(path: str | Path) -> dict[str, NDArray[Any]]:
+    """Read all channels of an EXR.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+
+    Returns
+    -------
+    channels : dict of str to (height, width) or (height, width, 3) array
+        R, G and B come together as ``"RGB"``.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is no EXR.
+    """
+    import OpenEXR
+
+    if not Path(path).is_file():
+        raise InputError(f"{path}: no such file")
+    try:
+        with OpenEXR.File(str(path)) as file:
+            return {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+    except (RuntimeError, ValueError) as problem:
+        raise InputError(f"{path}: no readable EXR: {str(problem).splitlines()[0]}") from None

@@ -1,0 +1,177 @@
+"""Output that is whole or not there: files are made in a hidden folder beside, and appear by rename.
+
+Whatever goes wrong on the way (a full disk, Ctrl-C, a failure of the work), the output folder stays as it was.
+Files that are already there are replaced only when told, and files of other names are never touched.
+"""
+
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from surftex.errors import InputError, SurftexError, WorkError
+
+
+def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Path:
+    """Refuse, before any work, an output folder that could not be written in the end.
+
+    Parameters
+    ----------
+    folder : path
+        Where files are to appear; need not exist.
+    names : iterable of str
+        File names that will appear.
+    overwrite : bool
+        Whether files of these names may be replaced.
+
+    Returns
+    -------
+    folder : Path
+        As given.
+
+    Raises
+    ------
+    InputError
+        If the folder is a file or a symbolic link, or holds one of the names already.
+    WorkError
+        If it cannot be written to.
+    """
+    folder = Path(folder)
+    if folder.is_symlink():
+        raise InputError(f"{folder} is a symbolic link; name the folder that it points to")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; name a folder for the output")
+    present = [name for name in names if os.path.lexists(folder / name)]
+    for name in present:
+        if (folder / name).is_symlink() or not (folder / name).is_file():
+            raise InputError(f"{folder / name} is a link or a folder; move it away before writing there")
+    if present and not overwrite:
+        raise InputError(
+            f"{folder} holds {len(present)} of the files to write; the first is {present[0]}. "
+            "Choose another folder, or allow it with overwrite (--overwrite)"
+        )
+    nearest = folder.absolute()
+    while not nearest.exists() and nearest != nearest.parent:
+        nearest = nearest.parent
+    if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
+        raise WorkError(f"{folder}: cannot write in {nearest}")
+    return folder
+
+
+@contextmanager
+def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Lend a hidden folder; what is in it when the block ends well appears in the output folder, all or nothing.
+
+    Parameters
+    ----------
+    folder : path
+        Where files are to appear; made when it is missing.
+    overwrite : bool
+        Whether files of the same names may be replaced.
+
+    Yields
+    ------
+    workplace : Path
+        An empty folder on the same disk. It is gone afterwards.
+
+    Raises
+    ------
+    InputError
+        As `check_output`.
+    WorkError
+        If the disk is full or does not let us write.
+    """
+    folder = check_output(folder, overwrite=overwrite)
+    made: list[Path] = []
+    workplace: Path | None = None
+    try:
+        with _told_in_a_line(folder):
+            _make_folders(folder.absolute().parent, made)
+            workplace = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.absolute().parent))
+            staged = workplace / "new"
+            staged.mkdir()
+            yield staged
+            _publish(staged, folder, workplace, overwrite)
+        made.clear()
+    finally:
+        if workplace is not None:
+            shutil.rmtree(workplace, ignore_errors=True)
+        for parent in reversed(made):
+            parent.rmdir()
+
+
+def file_hashes(folder: str | Path) -> dict[str, str]:
+    """Tell the files of a folder by their bytes.
+
+    Parameters
+    ----------
+    folder : path
+        Its files, not those of folders inside.
+
+    Returns
+    -------
+    sha256 : dict of str to str
+        By file name, in order of names.
+    """
+    result = {}
+    for path in sorted(Path(folder).iterdir()):
+        if path.is_file():
+            with path.open("rb") as file:
+                result[path.name] = hashlib.file_digest(file, "sha256").hexdigest()
+    return result
+
+
+@contextmanager
+def _told_in_a_line(folder: Path) -> Iterator[None]:
+    """Turn failures of the disk into a WorkError."""
+    try:
+        yield
+    except SurftexError:
+        raise
+    except OSError as problem:
+        raise WorkError(f"{folder}: cannot write: {problem.strerror or problem}; nothing was left there") from None
+
+
+def _make_folders(folder: Path, made: list[Path]) -> None:
+    """Make a folder and its parents, noting which were missing, outermost first."""
+    if not folder.is_dir():
+        _make_folders(folder.parent, made)
+        folder.mkdir()
+        made.append(folder)
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file is on the disk."""
+    handle = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _publish(staged: Path, folder: Path, workplace: Path, overwrite: bool) -> None:
+    """Move all files of `staged` into the folder; put back what was there if one cannot be moved."""
+    names = sorted(path.name for path in staged.iterdir())
+    check_output(folder, names, overwrite=overwrite)
+    for name in names:
+        _sync(staged / name)
+    if not folder.exists():
+        staged.rename(folder)
+        return
+    aside = workplace / "old"
+    aside.mkdir()
+    try:
+        for name in names:
+            if (folder / name).exists():
+                (folder / name).rename(aside / name)
+            (staged / name).rename(folder / name)
+    except BaseException:
+        for name in names:
+            if (aside / name).exists():
+                (aside / name).replace(folder / name)
+            elif not (staged / name).exists():
+                (folder / name).unlink(missing_ok=True)
+        raise
