@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
 from surftex.kernels.random import uniform
 
 
-@kernel
+@part
 def between_sites(start, other, length, place, first, second):
     """Distance between two sites from rows of neighbours (`other` ascends in each); straight where they have none."""
     low, last = start[first], start[first + 1]
@@ -28,14 +28,16 @@ def between_sites(start, other, length, place, first, second):
     )
 
 
-@kernel
-def furrow_number(site, square, count, key, blend_mm):
+@part
+def furrow_number(site, square, count, key, blend_mm, near):
     """Random number of the furrow nearby, blended over the pairs of the nearest sites.
 
     The weights are symmetric in the sites, continuous in the squared distances `square` (mm^2), and nothing for
     pairs with the farthest site: the number has no step, inside a plate, across its border, or where another
-    site takes the last place.
+    site takes the last place. `near` (k,) float64 is scratch.
     """
+    if count < 2:
+        return 0.5
     smallest, second, largest = math.inf, math.inf, 0.0
     for k in range(count):
         if square[k] < smallest:
@@ -44,15 +46,16 @@ def furrow_number(site, square, count, key, blend_mm):
         elif square[k] < second:
             second = square[k]
         largest = max(largest, square[k])
-    if count < 2:
-        return 0.5
     reach = 2.0 * blend_mm * math.sqrt(max(second, blend_mm * blend_mm))
+    middle = 0.5 * (smallest + second)
+    for k in range(count):
+        near[k] = math.exp((middle - square[k]) / reach)
     least = math.exp((second - largest) / reach) if count > 2 else 0.0
     total, weighted = 1e-9, 0.5e-9
     for a in range(count):
         for b in range(a + 1, count):
-            weight = math.exp((smallest + second - square[a] - square[b]) / reach) - least
-            if weight > 0.0:
+            weight = near[a] * near[b] - least
+            if weight > 1e-6:
                 low, high = min(site[a], site[b]), max(site[a], site[b])
                 pair = np.uint64(low) * np.uint64(4294967296) + np.uint64(high)
                 total += weight
@@ -62,17 +65,17 @@ def furrow_number(site, square, count, key, blend_mm):
 
 @kernel
 def plates(
-    site, distance, start, other, length, place, shift, wave_a, wave_b, exponent, rounding_mm,
-    key, blend_mm, away, own, ratio, border_mm, own_mm, furrow,
+    site, distance, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm,
+    key, blend_mm, away, near, own, ratio, border_mm, own_mm, furrow,
 ):  # fmt: skip
     """Locate samples among Voronoi regions, whose borders may waver and whose corners may be round.
 
     site (n, k) int32, -1 for none; distance (n, k) float64 mm, ascending, inf for none;
     start (s+1,) int64, other (l,) int32, length (l,) float64 mm: distances between neighbour sites; place (s, 3) float64 mm;
     shift (s, 2) float64 mm^2: how each site answers to the wavering; wave_a, wave_b (n,) float32;
-    exponent: of the norm that rounds plates (inf: the polygon); rounding_mm: of the corners of borders, 0 for none;
+    polygon: 1 for plates with corners, 0 for the sixth norm that rounds them; rounding_mm: of the corners of borders, 0 for none;
     key uint64, blend_mm: a random number for each furrow, and how far furrows blend where they meet;
-    away (k,) float64: scratch.
+    away, near (k,) float64: scratch.
     -> own (n,) int32 region, -1 for none; ratio (n,) float32: 0 at the site, 1 on the border;
     border_mm (n,) float32, inf for none; own_mm (n,) float32: distance to the own site;
     furrow (n,) float32: the random number, 0 to 1, of the furrow nearby.
@@ -104,7 +107,7 @@ def plates(
         if slot < 0:
             continue
         if blend_mm > 0.0:
-            furrow[sample] = furrow_number(site[sample], away, count, key, blend_mm)
+            furrow[sample] = furrow_number(site[sample], away, count, key, blend_mm, near)
         here = site[sample, slot]
         own[sample] = here
         own_mm[sample] = distance[sample, slot]
@@ -120,19 +123,21 @@ def plates(
                 away[k] = math.inf
                 continue
             q = (best - away[k]) / (apart * apart) + 1.0
-            if exponent == math.inf:
+            if polygon:
                 total = max(total, q)
             elif q > 0.0:
-                total += q**exponent
+                total += (q * q * q) * (q * q * q)
             away[k] = 0.5 * (1.0 - q) * apart
             if away[k] < nearest:
                 nearest = away[k]
         if nearest == math.inf:
             continue
-        ratio[sample] = min(1.0, total if exponent == math.inf else total ** (1.0 / exponent))
+        ratio[sample] = min(1.0, total if polygon else total ** (1.0 / 6.0))
         if rounding_mm > 0.0:
             crowd = 0.0
             for k in range(count):
-                crowd += math.exp((nearest - away[k]) / rounding_mm)
+                beyond = (nearest - away[k]) / rounding_mm
+                if beyond > -16.0:
+                    crowd += math.exp(beyond)
             nearest -= rounding_mm * math.log(crowd)
         border_mm[sample] = max(0.0, nearest)

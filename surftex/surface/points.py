@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surftex.arrays import checked, frozen
+from surftex.arrays import checked, frozen, read_only_view
 from surftex.errors import SurfaceError
 from surftex.surface.surface import Surface
 
@@ -36,8 +36,10 @@ class SurfacePoints:
         wrong = np.flatnonzero((weights < -1e-6).any(axis=1) | (np.abs(weights.sum(axis=1) - 1) > 1e-6))
         if len(wrong):
             first = int(wrong[0])
-            raise SurfaceError(f"{len(wrong)} of {len(faces)} barycentric rows are no weights with sum 1; "
-                               f"the first is row {first} = {weights[first].tolist()}")
+            raise SurfaceError(
+                f"{len(wrong)} of {len(faces)} barycentric rows are no weights with sum 1; "
+                f"the first is row {first} = {weights[first].tolist()}"
+            )
         object.__setattr__(self, "face", frozen(faces.copy()))
         object.__setattr__(self, "barycentric", frozen(weights.copy()))
 
@@ -80,8 +82,10 @@ class SurfacePoints:
         """
         wrong = np.flatnonzero((self.face < 0) | (self.face >= len(surface.faces)))
         if len(wrong):
-            raise SurfaceError(f"{len(wrong)} of {len(self)} points lie on faces outside 0..{len(surface.faces) - 1}; "
-                               f"the first is point {int(wrong[0])} on face {int(self.face[wrong[0]])}")
+            raise SurfaceError(
+                f"{len(wrong)} of {len(self)} points lie on faces outside 0..{len(surface.faces) - 1}; "
+                f"the first is point {int(wrong[0])} on face {int(self.face[wrong[0]])}"
+            )
 
     def flat(self, surface: Surface) -> NDArray[np.float64]:
         """Coordinates in the frame of each point's face.
@@ -111,7 +115,12 @@ class SurfacePoints:
         positions : (n, 3) float64
             Millimetres, in the frame of `Surface.vertices`.
         """
-        return np.einsum("pk,pki->pi", self.barycentric, surface.vertices[surface.faces[self.face]])
+        from surftex.kernels.barycentric import interpolate
+
+        result = np.zeros((len(self), 3))
+        face, weight = read_only_view(self.face, np.int32), read_only_view(self.barycentric, np.float64)
+        interpolate(face, weight, surface.faces, surface.vertices, result)
+        return result
 
 
 @dataclass(frozen=True, eq=False)

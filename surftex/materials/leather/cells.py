@@ -155,12 +155,12 @@ class Cells:
             distance = np.where(site >= 0, length.reshape(site.shape), np.inf)
         own, ratio, border = np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32)
         own_mm, furrow = np.zeros(n, np.float32), np.zeros(n, np.float32)
-        exponent = np.inf if leather.crista_shape == "polygon" else 6.0
         size = float(np.median(self.size_mm)) if len(self.size_mm) else 1.0
         plates(
-            site, distance, self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave, exponent,
+            site, distance, self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
+            int(leather.crista_shape == "polygon"),
             leather.rounding * size, np.uint64(self.key), 0.15 * size * (leather.sulcus_variation > 0),
-            np.zeros(NEIGHBOURS), own, ratio, border, own_mm, furrow,
+            np.zeros(NEIGHBOURS), np.zeros(NEIGHBOURS), own, ratio, border, own_mm, furrow,
         )  # fmt: skip
         if leather.crista_shape == "inscribed":
             ratio = np.minimum(own_mm / self.inscribed_mm[np.maximum(own, 0)], 1).astype(np.float32)
