@@ -62,7 +62,7 @@ class Ellipses:
         """(n,) direction of the major axis in the frame of each point's face."""
         if self.direction is None:
             return np.zeros(len(points))
-        return np.ascontiguousarray(self.direction.angle[points.face], dtype=np.float64)
+        return self.direction.at(points)
 
     def expected_sites(self) -> float:
         """About how many sites fill the surface."""
