@@ -111,7 +111,7 @@ def read_only_view(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
 
 
 def equal_rows(rows: NDArray[Any]) -> NDArray[np.int64]:
-    """Number rows so that equal rows have equal numbers, in the order in which they first appear.
+    """Give equal rows equal numbers, in the order in which they first appear.
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """Everything that was placed on a surface, in one file: a bake can start from it and give the same bytes.
 
-An npz of one structured array per kind, each with `face`, `barycentric`, and the kind's own parameters. Reading
-trusts nothing: no pickled objects, no array larger than the limit, no field that is not plain numbers.
+An npz of one structured array per kind, each with `face`, `barycentric`, and the kind's own parameters.
+Reading trusts nothing: no pickled objects, no array larger than the limit, no field that is not plain
+numbers.
 """
 
 import io
@@ -79,7 +80,7 @@ def load_features(path: str | Path, *, max_bytes: int = MAX_BYTES) -> dict[str, 
         with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
             if len(entries) > MAX_KINDS:
-                raise InputError(f"{path}: {len(entries)} entries; a features file has at most {MAX_KINDS} kinds")
+                raise InputError(f"{path}: {len(entries)} entries; features have at most {MAX_KINDS} kinds")
             total = sum(entry.file_size for entry in entries)
             if total > max_bytes:
                 raise InputError(f"{path}: {total} bytes of arrays; the limit is {max_bytes}")
@@ -108,7 +109,9 @@ def _read(where: str, kind: str, archive: zipfile.ZipFile, entry: zipfile.ZipInf
             if dtype.hasobject or dtype.itemsize == 0 or len(shape) != 1 or fortran:
                 raise InputError(f"{where}: shape {shape} of {str(dtype)[:80]} is no list of features")
             if shape[0] < 0 or shape[0] * dtype.itemsize != size:
-                raise InputError(f"{where}: says {shape[0]} features of {dtype.itemsize} bytes, holds {size} bytes")
+                raise InputError(
+                    f"{where}: says {shape[0]} rows of {dtype.itemsize} bytes, holds {size} bytes"
+                )
             data = stream.read(size + 1)
     except (ValueError, SyntaxError, TypeError, zlib.error, MemoryError) as problem:
         raise InputError(f"{where}: no readable array: {_line(problem)}") from None
@@ -122,7 +125,7 @@ def _read(where: str, kind: str, archive: zipfile.ZipFile, entry: zipfile.ZipInf
 def _check(where: str, kind: str, array: NDArray[Any]) -> None:
     """Refuse arrays that are no features."""
     if not kind.isidentifier():
-        raise InputError(f"{where}: {kind[:80]!r} is no name of a kind; it takes letters, digits and underscores")
+        raise InputError(f"{where}: {kind[:80]!r} is no name of a kind, made of letters and digits")
     fields = array.dtype.fields
     if array.ndim != 1 or fields is None or "face" not in fields or "barycentric" not in fields:
         raise InputError(f"{where}: takes one row per feature, with at least the fields face and barycentric")
@@ -138,7 +141,8 @@ def _check(where: str, kind: str, array: NDArray[Any]) -> None:
     wrong = np.flatnonzero((array["face"] < 0) | (np.abs(array["barycentric"].sum(axis=1) - 1) > 1e-4))
     if len(wrong):
         raise InputError(
-            f"{where}: {len(wrong)} features lie on no face or have weights whose sum is not 1; the first is {int(wrong[0])}"
+            f"{where}: {len(wrong)} features lie on no face or have weights whose sum is not 1; "
+            f"the first is {int(wrong[0])}"
         )
 
 

@@ -1,7 +1,7 @@
 """Pictures on disk: PNG of 8 and 16 bits, EXR of 32 bits. The same pixels always give the same bytes.
 
-Compression is set for speed: Paeth and the other slow filters win little on baked maps, so rows are told as the
-difference to the row above. 16-bit normals are noise in their low bytes, where a search for repeats finds
+Compression is set for speed: Paeth and the other slow filters win little on baked maps, so rows are told as
+the difference to the row above. 16-bit normals are noise in their low bytes, where a search for repeats finds
 nothing: run lengths cost half the time and 4 percent more bytes.
 """
 
@@ -38,7 +38,7 @@ def png_bytes(pixels: NDArray[Any]) -> bytes:
     import imagecodecs
 
     if pixels.dtype not in (np.uint8, np.uint16) or pixels.shape[2:] not in ((), (3,)):
-        raise InputError(f"PNG takes (h, w) or (h, w, 3) of uint8 or uint16, not {pixels.shape} of {pixels.dtype}")
+        raise InputError(f"PNG takes uint8 or uint16, 1 or 3 channels, not {pixels.shape} {pixels.dtype}")
     strategy = _RUNS if pixels.dtype == np.uint16 else 0
     return bytes(imagecodecs.png_encode(np.ascontiguousarray(pixels), level=1, filter=_UP, strategy=strategy))
 

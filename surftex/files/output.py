@@ -1,7 +1,7 @@
 """Output that is whole or not there: files are made in a hidden folder beside, and appear by rename.
 
-Whatever goes wrong on the way (a full disk, Ctrl-C, a failure of the work), the output folder stays as it was.
-Files that are already there are replaced only when told, and files of other names are never touched.
+Whatever goes wrong on the way (a full disk, Ctrl-C, a failure of the work), the output folder stays as it
+was. Files that are already there are replaced only when told, and files of other names are never touched.
 """
 
 import hashlib
@@ -63,7 +63,7 @@ def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bo
 
 @contextmanager
 def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Lend a hidden folder; what is in it when the block ends well appears in the output folder, all or nothing.
+    """Lend a hidden folder; what it holds when the block ends well appears in the output folder.
 
     Parameters
     ----------
@@ -132,7 +132,8 @@ def _told_in_a_line(folder: Path) -> Iterator[None]:
     except SurftexError:
         raise
     except OSError as problem:
-        raise WorkError(f"{folder}: cannot write: {problem.strerror or problem}; nothing was left there") from None
+        reason = problem.strerror or problem
+        raise WorkError(f"{folder}: cannot write: {reason}; nothing was left there") from None
 
 
 def _make_folders(folder: Path, made: list[Path]) -> None:
