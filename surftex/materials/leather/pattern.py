@@ -147,7 +147,7 @@ class LeatherPattern:
             crown_scale=crown_scale,
             grain=self._noise("grain", leather.grain_size, 2, position, footprint, leather.grain_height),
             mottle=self._noise(
-                "mottle", leather.mottle_size, 3, position, footprint, leather.mottle + leather.wear
+                "mottle", leather.mottle_size, 2, position, footprint, leather.mottle + leather.wear
             ),
         )
         return layers(leather, skeleton, footprint)
@@ -178,7 +178,7 @@ class LeatherPattern:
         size = float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.0
         amount = np.float32(_WAVE * self.leather.waviness)
         first, second = (
-            amount * self._noise(name, size, 2, position, footprint_mm, amount)
+            amount * self._noise(name, 1.3 * size, 1, position, footprint_mm, amount)
             for name in ("wave a", "wave b")
         )
         return first, second

@@ -12,6 +12,7 @@ from surftex.features.poisson import Sites, poisson_disk
 from surftex.features.relax import relaxed
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
+from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
 from surftex.kernels.pool import Tick
 from surftex.materials.leather.cells import REACH, shape_length
