@@ -1,0 +1,84 @@
+"""surftex: texture features placed on a surface by walking distance, baked to seamless maps.
+
+Names are imported when they are first used, so that ``import surftex`` stays fast.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from surftex.bake.bake import bake
+    from surftex.bake.loading import load
+    from surftex.errors import (
+        InputError,
+        MeshFileError,
+        RecipeError,
+        SurfaceError,
+        SurftexError,
+        WorkError,
+    )
+    from surftex.files.features import load_features
+    from surftex.geodesics.distance import geodesic_distance
+    from surftex.maps.mapset import MapSet
+    from surftex.materials.leather.model import Leather
+    from surftex.recipe.model import Recipe
+    from surftex.surface import shapes
+    from surftex.surface.points import Samples, SurfacePoints
+    from surftex.surface.surface import Surface
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "InputError": "surftex.errors",
+    "Leather": "surftex.materials.leather.model",
+    "MapSet": "surftex.maps.mapset",
+    "MeshFileError": "surftex.errors",
+    "Recipe": "surftex.recipe.model",
+    "RecipeError": "surftex.errors",
+    "Samples": "surftex.surface.points",
+    "Surface": "surftex.surface.surface",
+    "SurfaceError": "surftex.errors",
+    "SurfacePoints": "surftex.surface.points",
+    "SurftexError": "surftex.errors",
+    "WorkError": "surftex.errors",
+    "bake": "surftex.bake.bake",
+    "geodesic_distance": "surftex.geodesics.distance",
+    "load": "surftex.bake.loading",
+    "load_features": "surftex.files.features",
+    "shapes": "surftex.surface",
+}
+"""The module that each public name lives in."""
+
+__all__ = [
+    "InputError",
+    "Leather",
+    "MapSet",
+    "MeshFileError",
+    "Recipe",
+    "RecipeError",
+    "Samples",
+    "Surface",
+    "SurfaceError",
+    "SurfacePoints",
+    "SurftexError",
+    "WorkError",
+    "__version__",
+    "bake",
+    "geodesic_distance",
+    "load",
+    "load_features",
+    "shapes",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'surftex' has no attribute {name!r}")
+    home = _HOME[name]
+    value = import_module(f"{home}.{name}") if name == "shapes" else getattr(import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,173 @@
+"""`bake`: a surface and a material, down the hill to maps."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from numpy.typing import NDArray
+
+from surftex.bake.stages import Progress, Stages
+from surftex.errors import InputError, WorkError
+from surftex.recipe.model import Recipe
+from surftex.recipe.read import load_recipe, recipe_for
+from surftex.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from surftex.maps.mapset import MapSet
+
+
+def bake(
+    subject: Any,
+    material: Any = None,
+    *,
+    resolution: int | None = None,
+    seed: int | None = None,
+    maps: tuple[str, ...] | list[str] | str | None = None,
+    threads: int | None = None,
+    uv: Literal["auto", "keep", "unwrap"] | None = None,
+    unwrapper: Literal["auto", "xatlas", "uvunwrap"] | None = None,
+    gutter: int | None = None,
+    features: Mapping[str, NDArray] | str | os.PathLike[str] | None = None,
+    tile: int | None = None,
+    progress: Progress | None = None,
+    max_features: int | None = None,
+    equalise: bool | None = None,
+) -> "MapSet":
+    """Bake a material onto a surface.
+
+    Parameters
+    ----------
+    subject : Surface, path, trimesh.Trimesh, pyvista.PolyData, (vertices, faces) or Recipe
+        What to bake; meshes in memory are in millimetres. The path of a TOML recipe, or a `Recipe`, stands
+        for mesh and material both.
+    material : Leather, Recipe or str, optional
+        A material, a recipe, the name of a preset, or the path of a recipe.
+    resolution : int, optional
+        Side of the maps in texels; a recipe's own, or 2048.
+    seed : int, optional
+        Of everything random; a recipe's own, or 0.
+    maps : sequence of str, optional
+        Such as ``("height", "normal")``; what the material makes, without it.
+    threads : int, optional
+        None means every core; cannot change a byte.
+    uv : {"auto", "keep", "unwrap"}, optional
+        What to do with the file's own UVs.
+    unwrapper : {"auto", "xatlas", "uvunwrap"}, optional
+        Who unwraps where that is needed.
+    gutter : int, optional
+        Free texels around charts; chosen by the resolution without it.
+    features : mapping or path, optional
+        What an earlier bake placed (``maps.features`` or its ``features.npz``): nothing is placed anew.
+    tile : int, optional
+        Rows that are worked on at a time, to bound memory; cannot change a byte.
+    progress : callable, optional
+        ``progress(stage, share)``; may raise to cancel.
+    max_features : int, optional
+        The bake refuses beyond it; 5 million without it.
+    equalise : bool, optional
+        Even out what is left of seams by least squares.
+
+    Returns
+    -------
+    maps : MapSet
+        Maps by name, and the report.
+
+    Raises
+    ------
+    InputError
+        If mesh, material or an option is wrong; what, where and how to mend it, in one line.
+    WorkError
+        If the work itself failed.
+
+    Examples
+    --------
+    >>> import surftex as sx
+    >>> maps = sx.bake(sx.shapes.sphere(20), sx.Leather.preset("calf"), resolution=64)  # doctest: +SKIP
+    >>> maps["height"].shape  # doctest: +SKIP
+    (64, 64)
+    """
+    if threads is not None and threads < 1:
+        raise InputError(f"threads is {threads}; it takes at least 1")
+    if tile is not None and tile < 1:
+        raise InputError(f"tile is {tile}; it takes at least 1 row")
+    subject, recipe = _recipe_and_subject(subject, material)
+    recipe = Recipe.of(
+        recipe, resolution=resolution, seed=seed, maps=_names(maps), uv=uv, unwrapper=unwrapper, gutter=gutter,
+        max_features=max_features, equalise=equalise,
+    )  # fmt: skip
+    try:
+        return _bake(subject, recipe, features, threads, tile, Stages(progress))
+    except MemoryError:
+        side = recipe.bake.resolution
+        raise WorkError(
+            f"not enough memory for {side} x {side}; lower the resolution or the number of maps"
+        ) from None
+
+
+def _bake(
+    subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages
+) -> "MapSet":
+    from surftex.bake.fields import make_fields
+    from surftex.bake.pages import bake_pages, chosen_maps
+    from surftex.bake.report import make_report, measured_seams
+    from surftex.bake.stack import place_stack
+    from surftex.bake.unwrapping import Unwrapping
+    from surftex.maps.mapset import MapSet
+
+    settings = recipe.bake
+    with stages.stage("load"):
+        surface = _surface(subject, recipe)
+        given = _features(features)
+        fields = make_fields(recipe, surface)
+    with Unwrapping(surface, settings, stages) as unwrapping:
+        with stages.stage("place") as tick:
+            stack = place_stack(recipe, surface, fields, features=given, threads=threads, tick=tick)
+        maps = chosen_maps(stack, settings.maps)
+        atlas = unwrapping.atlas()
+    with stages.stage("bake") as tick:
+        pages = bake_pages(
+            surface, atlas, stack, settings.resolution, maps,
+            gutter_px=settings.gutter, tile_rows=tile, threads=threads, tick=tick,
+        )  # fmt: skip
+    with stages.stage("seams"):
+        seam = measured_seams(surface, atlas, pages.images)
+    warnings = surface.warnings + unwrapping.notes + atlas.notes
+    report = make_report(surface, recipe, stack, atlas, pages, seam, stages, warnings)
+    return MapSet(surface=surface, atlas=atlas, images=pages.images, features=stack.features, report=report)
+
+
+def _recipe_and_subject(subject: Any, material: Any) -> tuple[Any, Any]:
+    """Tell mesh and material apart; either may come from a recipe."""
+    if material is None:
+        if isinstance(subject, (str, os.PathLike)) and str(subject).lower().endswith(".toml"):
+            subject = load_recipe(Path(subject))
+        if not isinstance(subject, Recipe):
+            raise InputError("a mesh needs a material: a Leather, a Recipe, or the name of a preset")
+        if subject.mesh.path is None:
+            raise InputError("the recipe names no mesh; add path under [mesh], or hand in a mesh as well")
+        return None, subject
+    if isinstance(material, (str, os.PathLike)):
+        material = recipe_for(material)
+    return subject, material
+
+
+def _surface(subject: Any, recipe: Recipe) -> Surface:
+    from surftex.bake.loading import load
+
+    mesh = recipe.mesh
+    if isinstance(subject, Surface):
+        return subject
+    return load(mesh.path if subject is None else subject, units=mesh.units, size=mesh.size, part=mesh.part)
+
+
+def _features(features: Any) -> Any:
+    if isinstance(features, (str, os.PathLike)):
+        from surftex.files.features import load_features
+
+        return load_features(Path(features))
+    return features
+
+
+def _names(maps: Any) -> tuple[str, ...] | str | None:
+    return maps if maps is None or isinstance(maps, str) else tuple(maps)

@@ -1,0 +1,215 @@
+"""The walk over the page: tiles of rows, in each the texels, the layers at them, and the maps of them.
+
+What is kept grows with the page, what passes through does not: a tile holds at most `TILE_TEXELS` texels, and
+layers are evaluated in slices of it. A tile reads a margin of rows beyond its own where a map looks at its
+neighbours. Neither tiles nor slices change a byte.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.bake.stack import Stack
+from surftex.charts.atlas import Atlas
+from surftex.charts.fill import nearest_mapped
+from surftex.charts.texels import Texels, default_gutter_px, texels
+from surftex.errors import InputError
+from surftex.kernels.pool import Tick, slices
+from surftex.materials.layers import CHANNELS
+from surftex.surface.surface import Surface
+
+TILE_TEXELS = 1 << 22
+"""Texels of a tile where none is asked for: the whole page up to 2048 x 2048."""
+
+_SLICE = 1 << 15
+_CHANNEL_OF = {"height": "height_mm", "normal": "height_mm", "occlusion": "height_mm"}
+
+
+@dataclass(frozen=True, eq=False)
+class Pages:
+    """Maps as pictures without holes.
+
+    Attributes
+    ----------
+    images : dict of str to (h, w) or (h, w, 3) array
+        float32, ``region`` int32; ``height`` in mm, ``base_color`` linear, ``normal`` unit vectors.
+    core : int
+        Texels whose centre shows the surface.
+    mapped : int
+        Texels of core and gutter.
+    """
+
+    images: dict[str, NDArray[Any]]
+    core: int
+    mapped: int
+
+
+def chosen_maps(stack: Stack, asked: tuple[str, ...] | None) -> tuple[str, ...]:
+    """Choose the maps of a bake.
+
+    Parameters
+    ----------
+    stack : Stack
+        What the layers write.
+    asked : tuple of str or None
+        None means what the layers make: colours and shares, normal and height.
+
+    Returns
+    -------
+    maps : tuple of str
+        In the order asked for.
+
+    Raises
+    ------
+    InputError
+        If no layer writes what a map needs.
+    """
+    channels = stack.channels
+    made = [channel for channel in channels if channel not in ("height_mm", "region")]
+    made += ["normal", "height"] if "height_mm" in channels else []
+    if asked is None:
+        return tuple(made)
+    for name in asked:
+        if _CHANNEL_OF.get(name, name) not in channels:
+            extra = ["occlusion"] * ("height_mm" in channels) + ["region"] * ("region" in channels)
+            raise InputError(f"no layer makes the map {name!r}; these layers make {', '.join(made + extra)}")
+    return asked
+
+
+def bake_pages(
+    surface: Surface,
+    atlas: Atlas,
+    stack: Stack,
+    resolution: int,
+    maps: tuple[str, ...],
+    *,
+    gutter_px: int | None = None,
+    tile_rows: int | None = None,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> Pages:
+    """Evaluate a stack at every texel of a page.
+
+    Parameters
+    ----------
+    surface : Surface
+        What is baked.
+    atlas : Atlas
+        Its unwrap.
+    stack : Stack
+        What lies on it.
+    resolution : int
+        Side of the page in texels.
+    maps : tuple of str
+        From `chosen_maps`.
+    gutter_px : int, optional
+        Width of the gutter; the atlas' own without it.
+    tile_rows : int, optional
+        Rows of a tile; cannot change a byte.
+    threads : int, optional
+        None means every core; cannot change a byte.
+    tick : callable, optional
+        Told the finished share; may raise to cancel.
+
+    Returns
+    -------
+    pages : Pages
+        Every texel filled.
+    """
+    gutter = default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px
+    channels = tuple(dict.fromkeys(_CHANNEL_OF.get(name, name) for name in maps))
+    images = {name: _page(name, resolution) for name in maps}
+    mapped = np.zeros((resolution, resolution), bool)
+    core = 0
+    tools = _Tools(surface, atlas, maps, threads)
+    for first, last in _tiles(resolution, tile_rows):
+        margin = tools.margin_px(gutter) if last - first < resolution else 0
+        rows = (max(0, first - margin), min(resolution, last + margin))
+        tile = texels(surface, atlas, resolution, gutter_px=gutter, rows=rows, threads=threads)
+        share = (
+            None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
+        )
+        values = _evaluated(stack, tile, channels, threads, share)
+        own = slice(*np.searchsorted(tile.texel, [first * resolution, last * resolution]))
+        place = tile.texel[own]
+        mapped.ravel()[place] = True
+        core += int(np.count_nonzero(tile.core[own]))
+        for name, page in images.items():
+            result = tools.map(name, tile, values)
+            page.reshape(resolution * resolution, *page.shape[2:])[place] = result[own]
+    count = int(np.count_nonzero(mapped))
+    if count == 0:
+        raise InputError(f"no texel of {resolution} x {resolution} shows the surface; raise the resolution")
+    if count < mapped.size:
+        source = nearest_mapped(mapped, threads=threads).ravel()
+        free = np.flatnonzero(~mapped)
+        for page in images.values():
+            flat = page.reshape(mapped.size, -1)
+            flat[free] = flat[source[free]]
+    return Pages(images, core, count)
+
+
+def _page(name: str, resolution: int) -> NDArray[Any]:
+    count = 3 if name == "normal" else 1 if name in _CHANNEL_OF else CHANNELS[name]
+    shape = (resolution, resolution) if count == 1 else (resolution, resolution, count)
+    return np.zeros(shape, np.int32 if name == "region" else np.float32)
+
+
+def _tiles(resolution: int, rows: int | None) -> Iterator[tuple[int, int]]:
+    rows = max(1, TILE_TEXELS // resolution) if rows is None else rows
+    for first in range(0, resolution, rows):
+        yield first, min(resolution, first + rows)
+
+
+def _evaluated(
+    stack: Stack, tile: Texels, channels: tuple[str, ...], threads: int | None, tick: Tick | None
+) -> dict[str, NDArray[Any]]:
+    """Evaluate the layers at a tile, in slices."""
+    samples = tile.samples
+    found = slices(
+        lambda first, last: stack.at(samples.part(first, last), channels),
+        len(samples),
+        size=_SLICE,
+        threads=threads,
+        tick=tick,
+    )
+    if not found:
+        return {
+            channel: _page(channel, 1).reshape(-1, *_page(channel, 1).shape[2:])[:0] for channel in channels
+        }
+    return {channel: np.concatenate([part.pop(channel) for part in found]) for channel in channels}
+
+
+class _Tools:
+    """What turns the layers of a tile into its maps."""
+
+    def __init__(self, surface: Surface, atlas: Atlas, maps: tuple[str, ...], threads: int | None) -> None:
+        self.surface, self.atlas, self.threads = surface, atlas, threads
+        self.tangents: NDArray[np.float64] | None = None
+        self.looks_around = bool({"normal", "occlusion"} & set(maps))
+        if "normal" in maps:
+            from surftex.maps.normal import surface_tangents
+
+            self.tangents = surface_tangents(surface, atlas)
+
+    def margin_px(self, gutter: int) -> int:
+        """Rows beyond a tile that its maps depend on."""
+        return 2 * gutter + 8 if self.looks_around else 0
+
+    def map(self, name: str, tile: Texels, values: dict[str, NDArray[Any]]) -> NDArray[Any]:
+        """Make one map at the texels of a tile."""
+        if name == "normal":
+            from surftex.maps.normal import normal_map
+
+            return normal_map(
+                self.surface,
+                self.atlas,
+                tile,
+                values["height_mm"],
+                tangents=self.tangents,
+                threads=self.threads,
+            )
+        return values[_CHANNEL_OF.get(name, name)]

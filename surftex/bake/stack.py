@@ -1,0 +1,207 @@
+"""The stack: patterns laid over one another by their masks, evaluated at samples."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import RecipeError
+from surftex.fields.fieldset import FieldSet
+from surftex.fields.sources import Field
+from surftex.kernels.pool import Tick
+from surftex.materials.layers import CHANNELS, Pattern
+from surftex.randomness import stream
+from surftex.recipe.model import Recipe
+from surftex.surface.points import Samples
+from surftex.surface.surface import Surface
+
+Features = Mapping[str, NDArray]
+
+_OTHER_LAYER = re.compile(r"layer\d+_")
+
+BARE: Mapping[str, float] = {
+    "height_mm": 0.0, "base_color": 0.5, "roughness": 0.5, "specular": 0.5, "metallic": 0.0, "region": -1,
+}  # fmt: skip
+"""What shows where no layer covers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Patterns from the lowest to the topmost, each with its mask.
+
+    Attributes
+    ----------
+    patterns : tuple of Pattern
+        Placed on one surface.
+    masks : tuple of Field or None
+        How much each covers, 0 to 1; None covers everything.
+    """
+
+    patterns: tuple[Pattern, ...]
+    masks: tuple[Field | None, ...]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that any layer writes."""
+        written = {channel for pattern in self.patterns for channel in pattern.channels}
+        return tuple(channel for channel in CHANNELS if channel in written)
+
+    @property
+    def features(self) -> dict[str, NDArray]:
+        """Everything placed, by kind; kinds of the second layer are called ``layer2_pore`` and so on."""
+        return {
+            f"{_prefix(i)}{kind}": table
+            for i, pattern in enumerate(self.patterns)
+            for kind, table in pattern.features.items()
+        }
+
+    def at(self, samples: Samples, channels: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """Evaluate at samples.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+        channels : tuple of str
+            What to hand back.
+
+        Returns
+        -------
+        values : dict of str to array
+            (n,) or (n, 3) float32; ``region`` is int32.
+        """
+        count = len(samples)
+        values: dict[str, NDArray[Any]] = {}
+        for channel in channels:
+            shape = (count,) if CHANNELS[channel] == 1 else (count, CHANNELS[channel])
+            values[channel] = np.full(shape, BARE[channel], np.int32 if channel == "region" else np.float32)
+        for pattern, mask in zip(self.patterns, self.masks, strict=True):
+            layers = pattern.at(samples)
+            cover = None
+            if mask is not None:
+                cover = np.clip(mask(samples.points, samples.footprint_mm), 0, 1).astype(np.float32)
+            for channel in channels:
+                if channel in layers:
+                    values[channel] = _over(values[channel], layers[channel], cover)
+        return values
+
+
+def _over(below: NDArray[Any], above: NDArray[Any], cover: NDArray[np.float32] | None) -> NDArray[Any]:
+    if cover is None:
+        return above
+    if below.dtype.kind == "i":
+        return np.where(cover >= 0.5, above, below)
+    share = cover if below.ndim == 1 else cover[:, None]
+    return below * (1 - share) + above * share
+
+
+def place_stack(
+    recipe: Recipe,
+    surface: Surface,
+    fields: FieldSet,
+    *,
+    features: Features | None = None,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> Stack:
+    """Place every layer of a recipe on a surface.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        What to place.
+    surface : Surface
+        Where.
+    fields : FieldSet
+        The recipe's fields on that surface.
+    features : mapping of str to structured array, optional
+        Take these, as `Stack.features` had them, and place nothing anew.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    stack : Stack
+        Ready to be asked.
+
+    Raises
+    ------
+    RecipeError
+        If a layer does not fit the surface; the message names it.
+    """
+    patterns, masks = [], []
+    count = len(recipe.layer)
+    for i, layer in enumerate(recipe.layer):
+        label = "layer" if count == 1 else f"layer[{i + 1}]"
+        given = None if features is None else _of_layer(features, i, label)
+        told = None if tick is None else lambda share, i=i: tick((i + share) / count)
+        try:
+            masks.append(None if layer.mask == 1 else fields.scalar(layer.mask))
+            material: Any = layer.material
+            patterns.append(
+                material.place(
+                    surface, layer_seed(recipe.seed, i), fields=fields, features=given,
+                    max_features=recipe.bake.max_features, threads=threads, tick=told,
+                )
+            )  # fmt: skip
+        except RecipeError as problem:
+            raise RecipeError(f"{label}: {problem}") from None
+    return Stack(tuple(patterns), tuple(masks))
+
+
+def layer_seed(seed: int, index: int) -> int:
+    """Give each layer a seed of its own, so that two alike do not coincide.
+
+    Parameters
+    ----------
+    seed : int
+        Of the recipe.
+    index : int
+        Of the layer, from 0.
+
+    Returns
+    -------
+    seed : int
+        The recipe's own for the first layer.
+    """
+    return seed if index == 0 else stream(seed, "layer", index).key
+
+
+def feature_counts(features: Features) -> dict[str, int]:
+    """Count what was placed.
+
+    Parameters
+    ----------
+    features : mapping of str to structured array
+        As `Stack.features`.
+
+    Returns
+    -------
+    counts : dict of str to int
+        Points, or whole curves, by kind.
+    """
+    return {
+        kind: len(np.unique(table["curve"])) if "curve" in (table.dtype.names or ()) else len(table)
+        for kind, table in features.items()
+    }
+
+
+def _prefix(index: int) -> str:
+    return "" if index == 0 else f"layer{index + 1}_"
+
+
+def _of_layer(features: Features, index: int, label: str) -> dict[str, NDArray]:
+    prefix = _prefix(index)
+    own = {kind.removeprefix(prefix): table for kind, table in features.items() if kind.startswith(prefix)}
+    if index == 0:
+        own = {kind: table for kind, table in own.items() if not _OTHER_LAYER.match(kind)}
+    if not own:
+        raise RecipeError(
+            f"{label}: the features file holds nothing for this layer; was it baked from another recipe?"
+        )
+    return own

@@ -1,0 +1,103 @@
+"""Stages of a bake: how far each is, for whoever watches, and what each took, for the report."""
+
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from surftex.kernels.pool import Tick
+
+Progress = Callable[[str, float], None]
+"""Told the name of a stage and its finished share, 0 to 1; may raise to cancel the bake."""
+
+
+@dataclass
+class Stages:
+    """Times each stage of a bake.
+
+    Attributes
+    ----------
+    progress : callable or None
+        Who watches.
+    done : list of dict
+        ``name``, ``wall_s`` and ``cpu_s`` of each finished stage, in the order of their ends.
+    """
+
+    progress: Progress | None = None
+    done: list[dict[str, str | float]] = field(default_factory=list)
+    started: float = field(default_factory=time.perf_counter)
+
+    @contextmanager
+    def stage(self, name: str, *, children: bool = False) -> Iterator[Tick]:
+        """Run a stage.
+
+        Parameters
+        ----------
+        name : str
+            What it is called.
+        children : bool
+            Whether its work is done by child processes, beside other stages: only their time counts.
+
+        Yields
+        ------
+        tick : callable
+            To be told the stage's finished share.
+        """
+        self.tell(name, 0.0)
+        wall, cpu = time.perf_counter(), _cpu_s(children=children)
+        yield lambda share: self.tell(name, share)
+        self.done.append(
+            {
+                "name": name,
+                "wall_s": round(time.perf_counter() - wall, 4),
+                "cpu_s": round(_cpu_s(children=children) - cpu, 4),
+            }
+        )
+        self.tell(name, 1.0)
+
+    def tell(self, name: str, share: float) -> None:
+        """Pass a share on.
+
+        Parameters
+        ----------
+        name : str
+            Of the stage.
+        share : float
+            0 to 1.
+        """
+        if self.progress is not None:
+            self.progress(name, min(1.0, max(0.0, share)))
+
+    def wall_s(self) -> float:
+        """Measure the time since the first stage could begin.
+
+        Returns
+        -------
+        wall_s : float
+            Seconds.
+        """
+        return round(time.perf_counter() - self.started, 4)
+
+
+def peak_rss_mb() -> float:
+    """Measure the most memory that this process has held.
+
+    Returns
+    -------
+    peak : float
+        MB of 10^6 bytes; 0 where the system does not tell.
+    """
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak * (1.0 if sys.platform == "darwin" else 1024.0) / 1e6, 1)
+
+
+def _cpu_s(*, children: bool) -> float:
+    times = os.times()
+    below = times.children_user + times.children_system
+    return below if children else time.process_time()

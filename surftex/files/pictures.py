@@ -1,0 +1,122 @@
+"""Pictures that a recipe names: PNG, JPEG, TIFF, EXR as arrays of numbers."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import RecipeError
+
+_LARGEST_BYTES = 2**30
+_MOST_PIXELS = 2**28
+
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+"""Shares of red, green and blue in the luminance of linear light (Rec. 709)."""
+
+
+def read_mask(path: str | Path, channel: str = "luminance") -> NDArray[np.float64]:
+    """Read one number per pixel.
+
+    Parameters
+    ----------
+    path : path
+        A PNG, JPEG, TIFF or EXR file.
+    channel : str
+        ``luminance``, ``red``, ``green``, ``blue`` or ``alpha``.
+
+    Returns
+    -------
+    mask : (h, w) float64
+        Whole numbers become shares of their type's greatest, without undoing any gamma; row 0 is on top.
+
+    Raises
+    ------
+    RecipeError
+        If the file cannot be read, or has no such channel.
+    """
+    picture = read_picture(path)
+    count = picture.shape[2]
+    if channel == "luminance":
+        return picture[..., :3] @ np.array(LUMINANCE) if count >= 3 else picture[..., 0]
+    if channel == "alpha":
+        if count not in (2, 4):
+            raise RecipeError(f"{Path(path).name} has no alpha channel; it has {count}")
+        return picture[..., -1]
+    return picture[..., 0 if count < 3 else ("red", "green", "blue").index(channel)]
+
+
+def read_picture(path: str | Path) -> NDArray[np.float64]:
+    """Read a picture.
+
+    Parameters
+    ----------
+    path : path
+        A PNG, JPEG, TIFF or EXR file.
+
+    Returns
+    -------
+    picture : (h, w, c) float64
+        Whole numbers become shares of their type's greatest; row 0 is on top.
+
+    Raises
+    ------
+    RecipeError
+        If the file cannot be read as one of these.
+    """
+    file = Path(path)
+    try:
+        if not file.is_file():
+            raise RecipeError(
+                f"the picture {str(file)!r} {'is no file' if file.exists() else 'does not exist'}"
+            )
+        if file.stat().st_size > _LARGEST_BYTES:
+            raise RecipeError(
+                f"the picture {str(file)!r} has {file.stat().st_size} bytes; at most 1 GiB is read"
+            )
+        data = file.read_bytes()
+    except OSError as problem:
+        raise RecipeError(f"the picture {str(file)!r} cannot be read: {problem.strerror}") from None
+    try:
+        pixels = _decoded(file, data)
+    except RecipeError:
+        raise
+    except Exception as problem:  # noqa: BLE001  (decoders raise whatever they like on broken files)
+        reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
+        raise RecipeError(f"the picture {str(file)!r} cannot be decoded: {reason}") from None
+    if pixels.ndim == 2:
+        pixels = pixels[..., None]
+    if pixels.ndim != 3 or pixels.size == 0:
+        raise RecipeError(f"the picture {str(file)!r} has shape {pixels.shape}; it takes one page of pixels")
+    if pixels.dtype.kind == "b":
+        return pixels.astype(np.float64)
+    scale = np.iinfo(pixels.dtype).max if pixels.dtype.kind in "iu" else 1
+    return pixels.astype(np.float64) / scale
+
+
+def _decoded(file: Path, data: bytes) -> NDArray[Any]:
+    import imagecodecs
+
+    if data.startswith(b"\x89PNG"):
+        width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
+        if width * height > _MOST_PIXELS:
+            raise RecipeError(
+                f"the picture {str(file)!r} has {width} x {height} pixels; that is too many for a mask"
+            )
+        return imagecodecs.png_decode(data)
+    if data.startswith(b"\xff\xd8"):
+        return imagecodecs.jpeg_decode(data)
+    if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+        return imagecodecs.tiff_decode(data)
+    if data.startswith(b"v/1\x01"):
+        return _exr(file)
+    raise RecipeError(f"the picture {str(file)!r} is none of PNG, JPEG, TIFF and EXR")
+
+
+def _exr(file: Path) -> NDArray[np.float64]:
+    import OpenEXR
+
+    with OpenEXR.File(str(file), separate_channels=True) as opened:
+        channels = opened.channels()
+        order = [name for name in ("R", "G", "B", "A") if name in channels] or sorted(channels)[:1]
+        return np.stack([np.asarray(channels[name].pixels, np.float64) for name in order], axis=-1)
