@@ -296,35 +296,58 @@ def _inside(surface: Surface, points: SurfacePoints) -> NDArray[np.float64]:
     return np.einsum("pk,pki->pi", weights, surface.flat[points.face])
 
 
-class _Room:
+class _Worker:
     """Buffers that one worker floods in; none of them outlives the call."""
 
     def __init__(self, surface: Surface) -> None:
+        from surftex.kernels.window_queue import Room
+
         vertices, corners = len(surface.vertices), 3 * len(surface.faces)
-        self.near = np.zeros(vertices)
-        self.near_of, self.lit_of = np.full(vertices, -1, np.int32), np.full(vertices, -1, np.int32)
-        self.split_near, self.split_at = np.zeros(corners), np.zeros(corners)
-        self.split_of = np.full(corners, -1, np.int32)
-        self.count = np.zeros(6, np.int64)
         self.stamp = 0
-        self.queue(1 << 10)
-        self.row, self.row_id, self.least = (
-            np.zeros((1 << 12, 9)),
-            np.zeros((1 << 12, 3), np.int32),
-            np.zeros(1 << 12),
+        self.room = Room(
+            near=np.zeros(vertices),
+            near_of=np.full(vertices, -1, np.int32),
+            lit_of=np.full(vertices, -1, np.int32),
+            split_near=np.zeros(corners),
+            split_at=np.zeros(corners),
+            split_of=np.full(corners, -1, np.int32),
+            count=np.zeros(6, np.int64),
+            **_queue(1 << 10),
+            row=np.zeros((1 << 12, 9)),
+            row_id=np.zeros((1 << 12, 3), np.int32),
+            row_least=np.zeros(1 << 12),
         )
 
-    def queue(self, size: int) -> None:
-        """Make room for windows that wait."""
-        self.key, self.slot, self.free = np.zeros(size), np.zeros(size, np.int32), np.zeros(size, np.int32)
-        self.window, self.window_id = np.zeros((size, 7)), np.zeros((size, 5), np.int32)
+    def longer_queue(self) -> None:
+        """Double the room for windows that wait."""
+        self.room = self.room._replace(**_queue(2 * len(self.room.free)))
 
     def longer_rows(self) -> None:
         """Double the room for rows, and keep what is there."""
-        size = len(self.least)
-        self.row = np.concatenate([self.row, np.zeros((size, 9))])
-        self.row_id = np.concatenate([self.row_id, np.zeros((size, 3), np.int32)])
-        self.least = np.concatenate([self.least, np.zeros(size)])
+        doubled = {
+            name: np.concatenate([getattr(self.room, name), np.zeros_like(getattr(self.room, name))])
+            for name in ("row", "row_id", "row_least")
+        }
+        self.room = self.room._replace(**doubled)
+
+    def pass_stamps(self, count: int) -> None:
+        """Never use a stamp twice."""
+        self.stamp += count
+        if self.stamp >= 2**31 - 2 * count:
+            self.stamp = 0
+            for stamps in (self.room.near_of, self.room.lit_of, self.room.split_of):
+                stamps.fill(-1)
+
+
+def _queue(size: int) -> dict[str, NDArray[Any]]:
+    """Room for windows that wait."""
+    return {
+        "heap_key": np.zeros(size),
+        "heap_slot": np.zeros(size, np.int32),
+        "free": np.zeros(size, np.int32),
+        "window": np.zeros((size, 7)),
+        "window_id": np.zeros((size, 5), np.int32),
+    }
 
 
 def _flood(
@@ -339,79 +362,58 @@ def _flood(
     tick: Tick | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
     """Rows of all sources, in the order of the sources."""
+    from surftex.kernels.window_queue import Mesh
     from surftex.kernels.windows import flood
 
-    count = len(start) - 1
-    turning = (surface.vertex_angle > np.where(surface.on_border, np.pi, 2 * np.pi) + 1e-9).astype(np.bool_)
-    asked = (
-        np.ones(len(surface.faces), np.uint8) if wanted is None else np.asarray(wanted, bool).astype(np.uint8)
+    count, faces = len(start) - 1, len(surface.faces)
+    asked = np.ones(faces, bool) if wanted is None else checked(wanted, "wanted", (faces,), np.bool_)
+    start_of_fan, corner_of_fan, angle_in_fan = surface.fans
+    mesh = Mesh(
+        faces=surface.faces,
+        neighbor=surface.neighbor,
+        neighbor_edge=surface.neighbor_edge,
+        edge_length=surface.edge_length,
+        flat=surface.flat,
+        transport=surface.transport,
+        corner_angle=surface.corner_angle,
+        vertex_angle=surface.vertex_angle,
+        on_border=surface.on_border,
+        turning=frozen(surface.vertex_angle > np.where(surface.on_border, np.pi, 2 * np.pi) + 1e-9),
+        fan_start=start_of_fan,
+        fan_corner=corner_of_fan,
+        fan_angle=angle_in_fan,
+        wanted=frozen(asked.astype(np.uint8)),
+        bound=bound,
     )
-    asked = checked(asked, "wanted", (len(surface.faces),), np.uint8)
-    mesh = (
-        surface.faces,
-        surface.neighbor,
-        surface.neighbor_edge,
-        surface.edge_length,
-        surface.flat,
-        surface.transport,
-        surface.vertex_angle,
-        surface.on_border,
-        frozen(turning),
-        *surface.fans,
-        surface.corner_angle,
-        frozen(asked),
-        bound,
+    given = (
+        frozen(start),
+        read_only_view(face, np.int32),
+        frozen(primitive),
+        radius,
+        mesh,
+        10_000_000 + 1_000 * faces,
     )
-    given = (frozen(start), read_only_view(face, np.int32), frozen(primitive), radius)
-    most = 10_000_000 + 1_000 * len(surface.faces)
-    rooms: list[_Room] = []
+    workers: list[_Worker] = []
 
     def work(first: int, last: int) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
-        room = rooms.pop() if rooms else _Room(surface)
-        room.count[3] = 0
-        while True:
-            first, full = flood(
-                first,
-                last,
-                room.stamp,
-                *given,
-                *mesh,
-                most,
-                room.near,
-                room.near_of,
-                room.lit_of,
-                room.split_near,
-                room.split_at,
-                room.split_of,
-                room.count,
-                room.key,
-                room.slot,
-                room.free,
-                room.window,
-                room.window_id,
-                room.row,
-                room.row_id,
-                room.least,
-            )
-            room.stamp += count
-            if room.stamp >= 2**31 - 2 * count:
-                room.stamp = 0
-                for stamps in (room.near_of, room.lit_of, room.split_of):
-                    stamps.fill(-1)
-            if full == 0:
-                break
+        worker = workers.pop() if workers else _Worker(surface)
+        worker.room.count[3] = 0
+        full = -1
+        while full:
+            first, full = flood(first, last, worker.stamp, *given, worker.room)
+            worker.pass_stamps(count)
             if full == 1:
-                room.queue(2 * len(room.key))
+                worker.longer_queue()
             elif full == 2:
-                room.longer_rows()
-            else:
+                worker.longer_rows()
+            elif full == 3:
                 raise WorkError(
-                    f"source {first} of {count} sends more than {most} windows within {radius[first]:g} mm; "
+                    f"source {first} of {count} sends more than {given[-1]} windows within {radius[first]:g} mm; "
                     "ask for a smaller radius, or use method='heat'"
                 )
-        n = int(room.count[3])
-        result = room.row[:n].copy(), room.row_id[:n].copy(), room.least[:n].copy()
-        rooms.append(room)
+        room, n = worker.room, int(worker.room.count[3])
+        result = room.row[:n].copy(), room.row_id[:n].copy(), room.row_least[:n].copy()
+        workers.append(worker)
         return result
 
     parts = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)

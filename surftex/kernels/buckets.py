@@ -7,10 +7,10 @@ cells per mm along each axis. cells (m, 2) int32: how many along each axis. firs
 import math
 
 from surftex.kernels.evaluate import distance_to
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
 
 
-@kernel
+@part
 def bucket_of(face, x, y, first, cells, grid):
     """Bucket of the place (x, y) in the frame of `face`."""
     columns = cells[face, 0]

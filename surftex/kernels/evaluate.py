@@ -6,10 +6,10 @@ interval's nearer end, so that no row ever promises too short a path.
 
 import math
 
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import part
 
 
-@kernel
+@part
 def distance_to(kind, row, r, x, y):
     """Millimetres from the source of row r to (x, y) in the frame of the row's face."""
     if kind == 2 or kind == 3 or kind == 6:
@@ -37,7 +37,7 @@ def distance_to(kind, row, r, x, y):
     return row[r, 6] + math.sqrt(dx * dx + dy * dy)
 
 
-@kernel
+@part
 def leaving_direction(kind, row, r, x, y):
     """Unit direction, in the frame of the source's face, in which the path to (x, y) leaves a point source."""
     c, s = row[r, 7], row[r, 8]

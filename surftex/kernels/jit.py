@@ -16,3 +16,6 @@ import numba  # noqa: E402  (the cache folder is read when numba is imported)
 
 kernel = numba.njit(cache=True, error_model="numpy", nogil=True)
 """Decorator of every kernel."""
+
+part = numba.njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+"""Decorator of what only kernels call: compiled into them, without the door that Python would need."""

@@ -1,0 +1,98 @@
+"""Paths that bend: what a corner with more than a full turn, or a reentrant border corner, sends into its shadow."""
+
+import math
+
+import numpy as np
+
+from surftex.kernels.jit import part
+from surftex.kernels.window_queue import DIRECT, Light, enter, record, store
+
+SLACK = 1.0 + 1e-10
+"""A path must beat another by this factor before the other is dropped."""
+
+PAD_RAD = 1e-9
+"""Shadows are lit this much too wide: every path is a true one, so it costs nothing and leaves no gap."""
+
+
+@part
+def touch(room, source, vertex):
+    """Forget what an earlier source left at a vertex."""
+    if room.near_of[vertex] != source:
+        room.near_of[vertex] = source
+        room.near[vertex] = math.inf
+
+
+@part
+def approach(mesh, room, source, limit, corner, distance, dx, dy, light):
+    """End a straight path of length `distance` at a corner (3 face + i), (dx, dy) pointing back along it."""
+    face = corner // 3
+    i = corner - 3 * face
+    vertex = np.int64(mesh.faces[face, i])
+    touch(room, source, vertex)
+    if distance > room.near[vertex] * SLACK:
+        return
+    room.near[vertex] = min(room.near[vertex], distance)
+    if mesh.turning[vertex] and distance < limit:
+        onward = i + 1 if i < 2 else 0
+        ex = mesh.flat[face, onward, 0] - mesh.flat[face, i, 0]
+        ey = mesh.flat[face, onward, 1] - mesh.flat[face, i, 1]
+        local = math.atan2(ex * dy - ey * dx, ex * dx + ey * dy)
+        behind = Light(-light.kind, light.primitive, 0.0, 0.0, distance, light.c, light.s)
+        store(room, distance, vertex, corner, DIRECT, local, 0.0, behind)
+
+
+@part
+def shine(mesh, room, source, limit, vertex, corner, local, light):
+    """Send a corner into its shadow: the directions more than half a turn from `local`, where the path came in."""
+    arrived = local
+    for k in range(mesh.fan_start[vertex], mesh.fan_start[vertex + 1]):
+        if mesh.fan_corner[k] == corner:
+            arrived += mesh.fan_angle[k]
+            break
+    total = mesh.vertex_angle[vertex]
+    for k in range(mesh.fan_start[vertex], mesh.fan_start[vertex + 1]):
+        face = mesh.fan_corner[k] // 3
+        i = mesh.fan_corner[k] - 3 * face
+        begin = mesh.fan_angle[k]
+        end = begin + mesh.corner_angle[face, i]
+        low, high = begin, begin - 1.0
+        if mesh.on_border[vertex]:
+            if end > arrived + math.pi - PAD_RAD:
+                low, high = max(begin, arrived + math.pi - PAD_RAD), end
+            elif begin < arrived - math.pi + PAD_RAD:
+                low, high = begin, min(end, arrived - math.pi + PAD_RAD)
+        else:
+            for shift in range(-1, 2):
+                from_ = max(begin, arrived + math.pi - PAD_RAD + shift * total)
+                to = min(end, arrived - math.pi + PAD_RAD + (shift + 1) * total)
+                if to - from_ > high - low:
+                    low, high = from_, to
+        if high < low:
+            continue
+        i1 = i + 1 if i < 2 else 0
+        i2 = i - 1 if i > 0 else 2
+        px, py = mesh.flat[face, i, 0], mesh.flat[face, i, 1]
+        here = Light(light.kind, light.primitive, px, py, light.sigma, light.c, light.s)
+        if mesh.wanted[face]:
+            record(room, face, light.sigma, px, py, px, py, here)
+        for side in range(2):
+            if (low <= begin) if side == 0 else (high >= end):
+                q = i1 if side == 0 else i2
+                onward = light.sigma + mesh.edge_length[face, i if side == 0 else i2]
+                dx, dy = px - mesh.flat[face, q, 0], py - mesh.flat[face, q, 1]
+                approach(mesh, room, source, limit, 3 * face + q, onward, dx, dy, here)
+        length = mesh.edge_length[face, i1]
+        bx, by = mesh.flat[face, i1, 0] - px, mesh.flat[face, i1, 1] - py
+        ux, uy = (mesh.flat[face, i2, 0] - px - bx) / length, (mesh.flat[face, i2, 1] - py - by) / length
+        t0, t1 = 0.0, length
+        for side in range(2):
+            if (low > begin) if side == 0 else (high < end):
+                turn = (low if side == 0 else high) - begin
+                cosine, sine = math.cos(turn), math.sin(turn)
+                dx, dy = cosine * bx - sine * by, sine * bx + cosine * by
+                t = min(max((dy * bx - dx * by) / (dx * uy - dy * ux), 0.0), length)
+                if side == 0:
+                    t0 = t
+                else:
+                    t1 = t
+        enter(mesh, room, limit, face, i1, t0, t1, DIRECT, here)
