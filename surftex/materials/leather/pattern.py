@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
-from surftex.geodesics.pieces import CurvePieces
 from surftex.geodesics.windows import Buckets, flood_points, nearest
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Cells
+from surftex.materials.leather.curves import curve_pieces
 from surftex.materials.leather.model import Leather
 from surftex.materials.leather.relief import Skeleton, layers
 from surftex.randomness import stream
@@ -91,7 +91,7 @@ class LeatherPattern:
                 table = features[kind]
                 buckets = Buckets.of(surface, width)
                 curves[kind] = flood_curves(
-                    surface, _pieces(surface, table), 1.5 * width, buckets=buckets, threads=threads
+                    surface, curve_pieces(surface, table), 1.5 * width, buckets=buckets, threads=threads
                 )
         for kind, width in (
             ("pocket", leather.pocket_width),
@@ -209,15 +209,3 @@ class LeatherPattern:
             return None, None
         crown, distance = nearest(self.points["crown"], points, 1, threads=1)
         return distance[:, 0].astype(np.float32), self._crown_scale[np.maximum(crown[:, 0], 0)]
-
-
-def _pieces(surface: Surface, table: NDArray) -> CurvePieces:
-    """Curves from the rows of features."""
-    face = np.ascontiguousarray(table["face"])
-    corner = surface.flat[face]
-    return CurvePieces.of(
-        face,
-        np.einsum("pk,pki->pi", table["barycentric"], corner),
-        np.einsum("pk,pki->pi", table["end_barycentric"], corner),
-        table["curve"],
-    )

@@ -14,6 +14,7 @@ from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
+from surftex.geodesics.windows import flood_points
 from surftex.kernels.pool import Tick
 from surftex.materials.leather.cells import REACH, shape_length
 from surftex.materials.leather.model import Leather
@@ -138,6 +139,10 @@ def _on_the_graph(
     cracked = leather.invasion != 0
     if not (count or cracked or leather.pocket_depth > 0) or len(sites) == 0:
         return {}
+    from surftex.features.voronoi_graph import VoronoiGraph
+    from surftex.materials.leather.cracks import cracks
+    from surftex.materials.leather.wrinkles import wrinkles
+
     graph = VoronoiGraph.of(surface, sites, threads=threads)
     features = {}
     if count or cracked:
@@ -148,13 +153,15 @@ def _on_the_graph(
         )
         if cracked:
             amount = names.scalar(leather.invasion)
-            features["crack"] = cracks(
-                surface, graph, stress, amount, relative=leather.invasion_mode == "relative"
-            )
+            relative = leather.invasion_mode == "relative"
+            features["crack"] = cracks(surface, graph, stress, amount, relative=relative, threads=threads)
         if count:
+            size = sites.axis_mm[:, 0]
+            regions = flood_points(surface, sites.points, 1.5 * size, threads=threads)
             features["wrinkle"] = wrinkles(
-                surface, graph, stress, stream(seed, "leather", "wrinkles"), count=count,
+                surface, graph, regions, stress, stream(seed, "leather", "wrinkles"), count=count,
                 length_mm=leather.wrinkle_length, angle_rad=np.radians(leather.wrinkle_angle),
+                reach_mm=3 * float(size.max()),
             )  # fmt: skip
     if leather.pocket_depth > 0 and len(graph.vertices):
         features["pocket"] = point_table(graph.vertices)
