@@ -37,7 +37,7 @@ def png_bytes(pixels: NDArray[Any]) -> bytes:
     """
     import imagecodecs
 
-    if pixels.dtype not in (np.uint8, np.uint16) or pixels.shape[2:] not in ((), (3,)):
+    if pixels.dtype not in (np.uint8, np.uint16) or pixels.ndim < 2 or pixels.shape[2:] not in ((), (3,)):
         raise InputError(f"PNG takes uint8 or uint16, 1 or 3 channels, not {pixels.shape} {pixels.dtype}")
     strategy = _RUNS if pixels.dtype == np.uint16 else 0
     return bytes(imagecodecs.png_encode(np.ascontiguousarray(pixels), level=1, filter=_UP, strategy=strategy))
@@ -65,7 +65,7 @@ def read_png(path: str | Path) -> NDArray[Any]:
 
     try:
         return imagecodecs.png_decode(Path(path).read_bytes())
-    except (OSError, imagecodecs.PngError) as problem:
+    except (OSError, ValueError, imagecodecs.PngError) as problem:
         raise InputError(f"{path}: no readable PNG: {problem}") from None
 
 
@@ -154,7 +154,7 @@ def write_exr(path: str | Path, image: NDArray[np.floating], *, channel: str = "
     """
     import OpenEXR
 
-    if image.shape[2:] not in ((), (3,)):
+    if image.ndim < 2 or image.shape[2:] not in ((), (3,)):
         raise InputError(f"EXR takes (h, w) or (h, w, 3), not {image.shape}")
     pixels = np.ascontiguousarray(image, np.float32)
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}

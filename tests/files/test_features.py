@@ -73,7 +73,9 @@ BAD = {
     "object field": npy(b"x" * 8, {"descr": [("face", "|O")], "fortran_order": False, "shape": (1,)}),
     "huge count": npy(b"x" * 32, {"descr": DESCR, "fortran_order": False, "shape": (10**15,)}),
     "negative count": npy(b"x" * 32, {"descr": DESCR, "fortran_order": False, "shape": (-1,)}),
-    "huge header": npy(b"", {"descr": [(f"f{i}", "<f8") for i in range(2000)], "fortran_order": False, "shape": (1,)}),
+    "huge header": npy(
+        b"", {"descr": [(f"f{i}", "<f8") for i in range(2000)], "fortran_order": False, "shape": (1,)}
+    ),
     "code in header": npy(b"", "__import__('os').system('true')"),
     "no numbers": npy(np.zeros(3, [("face", "<i4"), ("barycentric", "<f8", 3), ("name", "S9")])),
     "no barycentric": npy(np.zeros(3, [("face", "<i4")])),
