@@ -81,14 +81,14 @@ def flood_points(
     """
     points.check_on(surface)
     count = len(points)
-    radius = _radii(radius_mm, count)
+    radius = checked_radius(radius_mm, count)
     place = _inside(surface, points)
     primitive = np.zeros((count, 8))
     primitive[:, 0:2] = place
     primitive[:, 2:4] = place
     start = np.arange(count + 1, dtype=np.int64)
-    bound = _bounds(bound_mm, surface)
-    row, row_id, least = _flood(surface, start, points.face, primitive, radius, bound, wanted, threads, tick)
+    bound = checked_bound(bound_mm, surface)
+    row, row_id, least = flood_primitives(surface, start, points.face, primitive, radius, bound, wanted, threads, tick)
     if buckets is None:
         buckets = buckets_for(surface, radius)
     entries = entries_of(buckets, row, row_id, least, radius, bound)
@@ -165,15 +165,15 @@ def nearest(
     source, distance = np.full((count, k), -1, np.int32), np.full((count, k), np.inf)
     found = np.full((count, k), -1, np.int32)
     vector = np.zeros((count, k, 2)) if vectors else None
-    where = _where(records, points)
+    place = where(records, points)
     what = (records.row, records.row_id)
 
     def work(begin: int, end: int) -> None:
         nearest_sources(
-            begin, end, *where, *what, records.source_of, records.limit_mm, source, distance, found
+            begin, end, *place, *what, records.source_of, records.limit_mm, source, distance, found
         )
         if vector is not None:
-            log_map(begin, end, *where[:3], *what, distance, found, vector)
+            log_map(begin, end, *place[:3], *what, distance, found, vector)
 
     slices(work, count, size=POINTS_A_SLICE, threads=threads)
     return (source, distance) if vector is None else (source, distance, vector)
@@ -208,13 +208,13 @@ def within(
 
     points.check_on(records.surface)
     count = len(points)
-    where = _where(records, points)
+    place = where(records, points)
     rest = (records.row, records.row_id, records.source_of, records.limit_mm)
     room = np.zeros(count + 1, np.int64)
     none, nothing = np.zeros(0, np.int32), np.zeros(0)
 
     def measure(begin: int, end: int) -> None:
-        sources_within(begin, end, 0, *where, *rest, room, none, nothing, none)
+        sources_within(begin, end, 0, *place, *rest, room, none, nothing, none)
 
     slices(measure, count, size=POINTS_A_SLICE, threads=threads)
     room = np.cumsum(room)
@@ -222,7 +222,7 @@ def within(
     found = np.full(int(room[-1]), -1, np.int32)
 
     def work(begin: int, end: int) -> None:
-        sources_within(begin, end, 1, *where, *rest, room, source, distance, found)
+        sources_within(begin, end, 1, *place, *rest, room, source, distance, found)
 
     slices(work, count, size=POINTS_A_SLICE, threads=threads)
     used = source >= 0
@@ -246,7 +246,7 @@ def within(
     return start, source, distance, vector[:, 0]
 
 
-def _where(records: Records, points: SurfacePoints) -> tuple[Any, ...]:
+def where(records: Records, points: SurfacePoints) -> tuple[Any, ...]:
     """The arguments that every gathering kernel shares."""
     buckets = records.buckets
     return (
@@ -262,7 +262,7 @@ def _where(records: Records, points: SurfacePoints) -> tuple[Any, ...]:
     )
 
 
-def _radii(radius_mm: ArrayLike, count: int) -> NDArray[np.float64]:
+def checked_radius(radius_mm: ArrayLike, count: int) -> NDArray[np.float64]:
     """One positive radius for each source, read-only."""
     radius = np.asarray(radius_mm, np.float64)
     if radius.ndim == 0:
@@ -278,7 +278,7 @@ def _radii(radius_mm: ArrayLike, count: int) -> NDArray[np.float64]:
     return frozen(radius.copy())
 
 
-def _bounds(bound_mm: NDArray[np.float64] | None, surface: Surface) -> NDArray[np.float64]:
+def checked_bound(bound_mm: NDArray[np.float64] | None, surface: Surface) -> NDArray[np.float64]:
     """One bound for each face, read-only."""
     count = len(surface.faces)
     if bound_mm is None:
@@ -350,7 +350,7 @@ def _queue(size: int) -> dict[str, NDArray[Any]]:
     }
 
 
-def _flood(
+def flood_primitives(
     surface: Surface,
     start: NDArray[np.int64],
     face: NDArray[np.int32],

@@ -150,3 +150,74 @@ def sources_within(
             found[at] = r
         if fill == 0:
             point_start[i + 1] = n
+
+
+@kernel
+def nearest_place(
+    begin,
+    end,
+    face,
+    barycentric,
+    flat,
+    first,
+    cells,
+    grid,
+    start,
+    entry_row,
+    entry_least,
+    row,
+    row_id,
+    limit,
+    piece_of,
+    along_of,
+    tangent,
+    piece,
+    distance,
+    along,
+    side,
+):
+    """Find the nearest place on a curve for samples [begin, end).
+
+    piece_of (p,) int32, along_of (p,), tangent (p, 2): of each primitive. piece (n,) int32 is given as -1, distance (n,)
+    as inf, along (n,) and side (n,) int8 as 0.
+    """
+    for i in range(begin, end):
+        f = face[i]
+        x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
+        y = barycentric[i, 2] * flat[f, 2, 1]
+        bucket = bucket_of(f, x, y, first, cells, grid)
+        best = math.inf
+        found = -1
+        for e in range(start[bucket], start[bucket + 1]):
+            if entry_least[e] >= best:
+                break
+            r = entry_row[e]
+            d = distance_to(row_id[r, 2], row, r, x, y)
+            if d < best and d <= limit[row_id[r, 1]]:
+                best = d
+                found = r
+        if found < 0:
+            continue
+        r = found
+        q = row_id[r, 1]
+        kind = row_id[r, 2]
+        distance[i] = best
+        piece[i] = piece_of[q]
+        ahead = 0.0
+        left = True
+        if kind <= 1:
+            c, s = leaving_direction(kind, row, r, x, y)
+            left = tangent[q, 0] * s - tangent[q, 1] * c >= 0
+        elif kind == 4 or kind == 5:
+            ahead = row[r, 7]
+            left = kind == 4
+        else:
+            nx, ny = row[r, 7], row[r, 8]
+            if kind == 3:
+                nx, ny = -nx, -ny
+            a = (row[r, 2] - row[r, 0]) * ny - (row[r, 3] - row[r, 1]) * nx
+            b = (row[r, 4] - row[r, 0]) * ny - (row[r, 5] - row[r, 1]) * nx
+            ahead = min(max((x - row[r, 0]) * ny - (y - row[r, 1]) * nx, min(a, b)), max(a, b))
+            left = kind == 2 or (kind == 6 and (x - row[r, 0]) * nx + (y - row[r, 1]) * ny >= 0)
+        along[i] = along_of[q] + max(ahead, 0.0)
+        side[i] = 1 if left else -1
