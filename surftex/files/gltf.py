@@ -9,7 +9,6 @@ import binascii
 import json
 import urllib.parse
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -72,8 +71,10 @@ def read_gltf(data: bytes, where: str, folder: Path) -> Polygons:
     required = document.get("extensionsRequired", [])
     for name in required if isinstance(required, list) else []:
         if name != "KHR_mesh_quantization" and not str(name).startswith(_HARMLESS):
-            raise MeshFileError(f"{where}: needs the extension {printable(str(name), longest=60)}, which surftex does not read; "
-                                "export it without compression")  # fmt: skip
+            raise MeshFileError(
+                f"{where}: needs the extension {printable(str(name), longest=60)}, which surftex "
+                "does not read; export it without compression"
+            )
     draft = Document(document, [], where)
     draft.buffers = [_buffer(draft, index, chunk, folder) for index in range(len(draft.listed("buffers")))]
     with np.errstate(over="ignore", invalid="ignore"):

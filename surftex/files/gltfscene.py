@@ -68,7 +68,7 @@ def unfolded(document: Document) -> Polygons:
             node = document.item("nodes", index)
             if index in seen:
                 raise document.fail(
-                    f"nodes[{index}] is reached twice: the node graph has a cycle, or two parents share a child"
+                    f"nodes[{index}] is reached twice: the node graph has a cycle or a shared child"
                 )
             seen.add(index)
             placed = above @ _matrix(document, node, f"nodes[{index}]")
@@ -148,7 +148,8 @@ def _add_mesh(
     size = float(np.abs(linear).max()) ** 3
     if not np.isfinite(determinant) or abs(determinant) <= 1e-12 * size or size == 0:
         raise document.fail(
-            f"the node {node!r} has a scale of 0 (or beyond all numbers), which flattens its mesh; apply or mend its transform"
+            f"the node {node!r} has a scale of 0 (or beyond all numbers), which flattens its mesh; "
+            "mend its transform"
         )
     for number, primitive in enumerate(primitives):
         what = f"meshes[{index}].primitives[{number}]"
@@ -226,7 +227,7 @@ def _add_primitive(
     if "NORMAL" in attributes:
         normals = document.accessor(attributes["NORMAL"], ("VEC3",)).astype(np.float64)
         normals = _long_enough(document, normals, len(position), f"{what} NORMAL") @ np.linalg.inv(linear)
-        normals = normals[corner]
+        normals = normals[corner].astype(np.float64)
     pieces.normals.append(normals)
     return len(triangles)
 

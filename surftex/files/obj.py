@@ -55,7 +55,8 @@ def read_obj(data: bytes, where: str) -> Polygons:
     few = text.tokens[face_lines] < 4
     if few.any():
         warnings.append(
-            f"{int(few.sum())} faces of fewer than 3 corners skipped; the first in line {int(face_lines[few][0]) + 1}"
+            f"{int(few.sum())} faces of fewer than 3 corners skipped; "
+            f"the first in line {int(face_lines[few][0]) + 1}"
         )
         face_lines = face_lines[~few]
         if len(face_lines) == 0:
@@ -88,7 +89,7 @@ def _warn_of_libraries(text: TextLines, warnings: list[str]) -> None:
         outside += path.startswith("/") or ":" in path or ".." in path.split("/")
     if outside:
         warnings.append(
-            f"{outside} 'mtllib' lines name a path outside the file's folder; they are ignored, and nothing is read there"
+            f"{outside} 'mtllib' lines name a path outside the file's folder; nothing is read there"
         )
 
 
@@ -147,7 +148,7 @@ def _bad_face(text: TextLines, lines: NDArray[np.int64]) -> MeshFileError:
             if not good:
                 shown = printable(word.decode("utf-8", "replace"), longest=40)
                 return MeshFileError(
-                    f"{text.where}: line {line + 1}: {shown!r} is not a face corner (v, v/vt, v//vn or v/vt/vn)"
+                    f"{text.where}: line {line + 1}: {shown!r} is no face corner (v, v/vt, v//vn, v/vt/vn)"
                 )
     return MeshFileError(f"{text.where}: the face lines do not read as indices")
 
@@ -161,7 +162,7 @@ def _resolved(
     *,
     required: bool = False,
 ) -> NDArray[np.int64]:
-    """Indices from 0; -1 where a corner has none."""
+    """Count indices from 0; -1 where a corner has none."""
     count = len(record_lines)
     result = index - 1
     backwards = np.flatnonzero(index < 0)
@@ -172,7 +173,8 @@ def _resolved(
         if len(wrong):
             at = int(wrong[0])
             raise MeshFileError(
-                f"{where}: line {int(line_of[at]) + 1}: relative index {int(index[at])} lies before the first {what}"
+                f"{where}: line {int(line_of[at]) + 1}: relative index {int(index[at])} "
+                f"lies before the first {what}"
             )
     zero = np.flatnonzero(index == 0) if required else []
     if len(zero):
@@ -211,7 +213,8 @@ def _check_finite(
     if len(wrong):
         first = int(wrong[0])
         raise MeshFileError(
-            f"{where}: {len(wrong)} vertices in use are not finite; the first is vertex {first + 1}, line {int(lines[first]) + 1}"
+            f"{where}: {len(wrong)} vertices in use are not finite; the "
+            f"first is vertex {first + 1}, line {int(lines[first]) + 1}"
         )
 
 

@@ -58,7 +58,8 @@ def read_off(data: bytes, where: str) -> Polygons:
     vertex_count, face_count = int(counts[0]), int(counts[1])
     if vertex_count + face_count > len(lines) - used:
         raise MeshFileError(
-            f"{where}: its header claims {vertex_count} vertices and {face_count} faces, but only {len(lines) - used} lines follow"
+            f"{where}: its header claims {vertex_count} vertices and {face_count} faces, "
+            f"but only {len(lines) - used} lines follow"
         )
     if face_count == 0:
         raise MeshFileError(f"{where}: has no faces; surftex textures surfaces, not points or lines")
@@ -80,7 +81,8 @@ def read_off(data: bytes, where: str) -> Polygons:
     if len(wrong):
         line = int(face_lines[wrong[0]]) + 1
         raise MeshFileError(
-            f"{where}: line {line}: a face of {sizes[wrong[0]]:g} corners with {int(np.diff(start)[wrong[0]]) - 1} numbers"
+            f"{where}: line {line}: a face of {sizes[wrong[0]]:g} corners "
+            f"with {int(np.diff(start)[wrong[0]]) - 1} numbers"
         )
     sizes = sizes.astype(np.int64)
     warnings = []
@@ -96,7 +98,8 @@ def read_off(data: bytes, where: str) -> Polygons:
     if len(wrong):
         line = int(kept_lines[np.searchsorted(corners, wrong[0], side="right") - 1]) + 1
         raise MeshFileError(
-            f"{where}: line {line}: a face refers to vertex {index[wrong[0]]:g} of {vertex_count} (counted from 0)"
+            f"{where}: line {line}: a face refers to vertex {index[wrong[0]]:g} of {vertex_count} "
+            "(counted from 0)"
         )
     corner = index.astype(np.int64)
     return Polygons(

@@ -46,7 +46,8 @@ def chosen_faces(polygons: Polygons, part: str, where: str) -> NDArray[np.bool_]
             several = several or [names[k] for k in match]
         if several:
             raise MeshFileError(
-                f"{where}: {printable(part, longest=60)!r} fits several parts: {', '.join(several[:6])}; write one in full"
+                f"{where}: {printable(part, longest=60)!r} fits several parts: "
+                f"{', '.join(several[:6])}; write one in full"
             )
     known = list(dict.fromkeys(name for _, names in polygons.labels.values() for name in names))
     if not known:

@@ -1,4 +1,4 @@
-"""PLY, text and binary: vertices, polygons, normals and UVs (``s t``, ``u v``, ``texture_u texture_v``, or per face)."""
+"""PLY, text and binary: vertices, polygons, normals, and UVs by vertex (``s t``, ``u v``...) or by face."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -78,8 +78,9 @@ def _read_element(
     name = printable(element.name, longest=40)
     if element.count * max(least, 1) > len(body) - offset:
         raise MeshFileError(
-            f"{where}: its header claims {element.count} records of {name!r}, at least {element.count * least} "
-            f"{'bytes' if order else 'numbers'}, but {max(len(body) - offset, 0)} are left"
+            f"{where}: its header claims {element.count} records of {name!r}, "
+            f"at least {element.count * least} {'bytes' if order else 'numbers'}, "
+            f"but {max(len(body) - offset, 0)} are left"
         )
     if element.count == 0 or not element.properties:
         return {}, offset
@@ -198,7 +199,8 @@ def _assembled(vertex: dict[str, Any], face: dict[str, Any], where: str) -> Poly
     if len(wrong):
         record = int(np.searchsorted(start, wrong[0], side="right")) - 1
         raise MeshFileError(
-            f"{where}: face {record} refers to vertex {index[wrong[0]]:.0f} of {len(vertices)} (counted from 0)"
+            f"{where}: face {record} refers to vertex {index[wrong[0]]:.0f} of {len(vertices)} "
+            "(counted from 0)"
         )
     corner = index.astype(np.int64)
     warnings = []

@@ -6,8 +6,10 @@ from surftex.errors import MeshFileError
 from surftex.files.reading import printable
 
 TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
-    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
+    "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
+    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
+    "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
 """numpy's name for each of PLY's types."""
 
@@ -104,6 +106,6 @@ def read_header(data: bytes, where: str) -> tuple[str, list[Element], int]:
         names = [name for name, _, _ in element.properties]
         if len(set(names)) < len(names):
             raise MeshFileError(
-                f"{where}: its header repeats a property of the element {printable(element.name, longest=40)!r}"
+                f"{where}: its header repeats a property of {printable(element.name, longest=40)!r}"
             )
     return order, elements, offset

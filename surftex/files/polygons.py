@@ -104,5 +104,6 @@ def check_face_count(count: int, where: str) -> None:
     """
     if count > MOST_FACES:
         raise MeshFileError(
-            f"{where}: unfolds to {count} faces, more than the {MOST_FACES} that surftex loads; decimate it first"
+            f"{where}: unfolds to {count} faces, more than the {MOST_FACES} that surftex loads; "
+            "decimate it first"
         )

@@ -72,8 +72,8 @@ def read_bytes(path: str | os.PathLike[str], *, purpose: str = "mesh file") -> b
     except (OSError, ValueError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem)
         raise MeshFileError(f"{shown}: cannot be opened as a {purpose} ({reason}); check the path") from None
-    with os.fdopen(handle, "rb") as file:
-        status = os.fstat(file.fileno())
+    try:
+        status = os.fstat(handle)
         if stat.S_ISDIR(status.st_mode):
             raise MeshFileError(f"{shown}: is a folder, not a {purpose}; name a file in it")
         if not stat.S_ISREG(status.st_mode):
@@ -82,7 +82,9 @@ def read_bytes(path: str | os.PathLike[str], *, purpose: str = "mesh file") -> b
             raise MeshFileError(
                 f"{shown}: holds {status.st_size} bytes, more than the {LARGEST_BYTES} that surftex reads"
             )
-        try:
+        with os.fdopen(handle, "rb", closefd=False) as file:
             return file.read(LARGEST_BYTES)
-        except OSError as problem:
-            raise MeshFileError(f"{shown}: cannot be read to its end ({problem.strerror})") from None
+    except OSError as problem:
+        raise MeshFileError(f"{shown}: cannot be read to its end ({problem.strerror})") from None
+    finally:
+        os.close(handle)

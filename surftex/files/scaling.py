@@ -45,7 +45,8 @@ def mm_per_unit(
         length = length_mm(size)
         if not 1e-3 <= length <= 1e7:
             raise RecipeError(
-                f"size {size!r} is not between 0.001 mm and 10 km; give the length of the longest side, such as '300 mm'"
+                f"size {size!r} is not between 0.001 mm and 10 km; give the length of the longest side, "
+                "such as '300 mm'"
             )
         return length / longest_side, []
     if units is not None:
@@ -56,9 +57,10 @@ def mm_per_unit(
         length = longest_side * MM_PER_UNIT[name]
         if SMALLEST_MM <= length <= LARGEST_MM:
             return MM_PER_UNIT[name], [
-                f"the file names no unit; taken as {name}, its longest side is {length:.4g} mm (--units or --size overrules this)"
+                f"the file names no unit; taken as {name}, its longest side is {length:.4g} mm "
+                "(--units or --size overrules this)"
             ]
     raise MeshFileError(
-        f"{where}: names no unit, and as metres, centimetres or millimetres its longest side of {longest_side:.4g} "
-        f"is not between 20 mm and 5 m; give --units or --size"
+        f"{where}: names no unit, and as metres, centimetres or millimetres its longest side "
+        f"of {longest_side:.4g} is not between 20 mm and 5 m; give --units or --size"
     )

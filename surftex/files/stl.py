@@ -41,7 +41,8 @@ def read_stl(data: bytes, where: str) -> Polygons:
         return _read_text(data, where)
     elif count > 0:
         raise MeshFileError(
-            f"{where}: is no STL file, or is cut short: its header claims {count} triangles ({needed} bytes), it has {len(data)} bytes"
+            f"{where}: is no STL file, or is cut short: its header claims {count} triangles "
+            f"({needed} bytes), it has {len(data)} bytes"
         )
     else:
         raise MeshFileError(
@@ -60,7 +61,7 @@ def _read_text(data: bytes, where: str) -> Polygons:
     lines = text.starting(b"vertex")
     if len(lines) == 0 or len(lines) % 3:
         raise MeshFileError(
-            f"{where}: has {len(lines)} 'vertex' lines, which is no whole number of triangles; is it cut short?"
+            f"{where}: has {len(lines)} 'vertex' lines, no whole number of triangles; is it cut short?"
         )
     check_face_count(len(lines) // 3, where)
     polygons = _loose(columns(*text.numbers(lines, 6, 3, "vertex"), 3), where, [])

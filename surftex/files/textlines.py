@@ -1,4 +1,4 @@
-"""Text mesh files as arrays of bytes: lines, their first words and their numbers, without a loop over lines."""
+"""Text mesh files as arrays of bytes: lines, first words and numbers, without a loop over lines."""
 
 from functools import cached_property
 
@@ -232,7 +232,7 @@ def columns(values: NDArray[np.float64], start: NDArray[np.int64], width: int) -
 
 
 def _joined(data: bytes) -> bytes:
-    r"""Join lines that end in ``\`` with the next one; the joined lines stay as empty ones, so that counts hold."""
+    r"""Join lines that end in ``\`` with the next; empty ones take their place, so that line numbers hold."""
     result, held, empty = [], [], 0
     for line in data.replace(b"\r\n", b"\n").split(b"\n"):
         if line.endswith(b"\\"):

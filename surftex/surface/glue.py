@@ -35,7 +35,8 @@ def glue(
     """Pair half-edges.
 
     Two faces at an edge are a pair, whatever their winding. Among more than two, those that share the file's
-    own vertices go first, then those of one part, then the pair that bends least; what is left over is a border.
+    own vertices go first; then, only where their windings agree, those of one part, and the pair that
+    bends least. What is left over is a border.
 
     Parameters
     ----------
@@ -71,8 +72,9 @@ def glue(
         a, b = file_vertex.ravel()[member], np.roll(file_vertex, -1, axis=1).ravel()[member]
         low, high = np.minimum(a, b), np.maximum(a, b)
         free = np.ones(len(member), bool)
-        for keys in ((edge, low, high), (edge, part[member // 3])):
-            one, other = _exact_pairs(member, free, keys)
+        sense = start[member] < end[member]
+        for keys, agreeing in (((edge, low, high), False), ((edge, part[member // 3]), True)):
+            one, other = _exact_pairs(member, free, keys, sense if agreeing else None)
             first.append(one)
             second.append(other)
         one, other = _flattest_pairs(vertices, faces, member, edge, free)
@@ -82,9 +84,12 @@ def glue(
 
 
 def _exact_pairs(
-    member: NDArray[np.int64], free: NDArray[np.bool_], keys: tuple[NDArray[np.integer], ...]
+    member: NDArray[np.int64],
+    free: NDArray[np.bool_],
+    keys: tuple[NDArray[np.integer], ...],
+    sense: NDArray[np.bool_] | None,
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Glue members whose keys are shared by exactly two, and take them out of `free`."""
+    """Glue members whose keys exactly two share, of opposite sense if given; they leave `free`."""
     here = np.flatnonzero(free)
     if len(here) == 0:
         return member[:0], member[:0]
@@ -95,6 +100,8 @@ def _exact_pairs(
     begin = np.flatnonzero(np.concatenate([[True], differs]))
     size = np.diff(np.append(begin, len(order)))
     two = begin[size == 2]
+    if sense is not None:
+        two = two[sense[order[two]] != sense[order[two + 1]]]
     free[order[two]] = free[order[two + 1]] = False
     return member[order[two]], member[order[two + 1]]
 
@@ -106,8 +113,7 @@ def _flattest_pairs(
     edge: NDArray[np.int64],
     free: NDArray[np.bool_],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """At each edge, sort the free members around it and glue the two near neighbours that bend least,
-    those of agreeing winding first."""
+    """Glue the free members of each edge that bend least and agree in winding, a few steps apart at most."""
     first, second = [member[:0]], [member[:0]]
     sense = faces.ravel()[member] < np.roll(faces, -1, axis=1).ravel()[member]
     while True:
@@ -124,9 +130,8 @@ def _flattest_pairs(
         for step in range(1, min(int(size.max()), 5)):
             place = np.arange(len(order)) - begin[group]
             other = begin[group] + (place + step) % size[group]
-            same_sense = sense[order] == sense[order[other]]
-            gap = np.abs(np.mod(angle[other] - angle, 2 * np.pi) - np.pi) + np.pi * same_sense
-            better = (gap < bend) & (size[group] > step)
+            gap = np.abs(np.mod(angle[other] - angle, 2 * np.pi) - np.pi)
+            better = (gap < bend) & (size[group] > step) & (sense[order] != sense[order[other]])
             bend, mate = np.where(better, gap, bend), np.where(better, other, mate)
         rank = np.lexsort([np.arange(len(order)), bend, group])
         best = rank[begin]
@@ -144,7 +149,7 @@ def _flattest_pairs(
 def _angle_around(
     vertices: NDArray[np.float64], faces: NDArray[np.int64], half_edge: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Direction of each half-edge's face around its edge, counted from an axis that depends on the edge only."""
+    """Direction of each half-edge's face around its edge, from an axis that depends on the edge only."""
     face, i = half_edge // 3, half_edge % 3
     a, b, tip = faces[face, i], faces[face, (i + 1) % 3], faces[face, (i + 2) % 3]
     low, high = np.minimum(a, b), np.maximum(a, b)

@@ -1,4 +1,4 @@
-"""One winding for all faces of a component: spread over glued edges, cut where it cannot agree, outward where closed."""
+"""One winding for a component: spread over glued edges, cut where it cannot agree, outward if closed."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,8 @@ def orient(
 ) -> tuple[NDArray[np.bool_], Glue, list[str]]:
     """Decide which faces to turn over.
 
-    The winding of most of a component's area wins; a closed component whose volume is negative is turned inside
-    out. A component with one side only (a Moebius strip) is cut along edges until it has two.
+    The winding of most of a component's area wins; a closed component whose volume is negative is
+    turned inside out. A component with one side only (a Moebius strip) is cut along edges until it has two.
 
     Parameters
     ----------
@@ -64,7 +64,10 @@ def orient(
             warnings.append(
                 f"{len(one_sided)} components have one side only (Moebius); {int(cut.sum())} edges were cut"
             )
-            pairs = Glue(pairs.first[~cut], pairs.second[~cut], pairs.crowded_edges, pairs.crowded_vertex)
+            half_edge = pairs.first[cut]
+            ends = np.concatenate([start[half_edge], faces[half_edge // 3, (half_edge + 1) % 3]])
+            ends = np.union1d(pairs.crowded_vertex, ends)
+            pairs = Glue(pairs.first[~cut], pairs.second[~cut], pairs.crowded_edges, ends)
             one, other = one[~cut], other[~cut]
             component = _components(count, one, other)
         size = int(component.max()) + 1

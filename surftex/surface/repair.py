@@ -1,4 +1,4 @@
-"""From the triangles of a file to a surface to walk on: welded, consistently wound, every edge with at most two faces.
+"""From the triangles of a file to a surface to walk on: welded, wound alike, at most two faces at an edge.
 
 Nothing is moved, but for vertices that merge. What is dropped, cut or turned is counted, a line each.
 """
@@ -286,7 +286,7 @@ def _sound_normals(
     normal: NDArray[np.float64],
     warnings: list[str],
 ) -> NDArray[np.float64] | None:
-    """Unit normals, or None with a warning where some are missing or turn against their faces."""
+    """Return unit normals, or None with a warning where some are missing or turn against their faces."""
     with np.errstate(over="ignore", invalid="ignore"):
         length = np.linalg.norm(normal, axis=2, keepdims=True)
     missing = ~((length > 1e-12) & (length < 1e12)).all(axis=(1, 2))
@@ -302,7 +302,8 @@ def _sound_normals(
         share = against.mean()
         if share > 0.01:
             warnings.append(
-                f"the shading normals of {int(against.sum())} faces point against their faces; smooth ones are used for all"
+                f"the shading normals of {int(against.sum())} faces point against them; "
+                "smooth ones are used for all"
             )
             return None
         unit = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), np.finfo(float).tiny)

@@ -1,4 +1,4 @@
-"""Polygons cut into triangles that cover the same area: quads at the better diagonal, concave ones by their ears."""
+"""Polygons cut into triangles that cover them: quads at the better diagonal, concave ones by their ears."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,8 +89,8 @@ def _many(places: NDArray[np.float64], polygon: int) -> NDArray[np.int64]:
         return fan
     if count > MOST_CONCAVE_CORNERS:
         raise SurfaceError(
-            f"polygon {polygon} is concave and has {count} corners, more than the {MOST_CONCAVE_CORNERS} that are "
-            "triangulated; cut it up in the modelling program"
+            f"polygon {polygon} is concave and has {count} corners, more than the {MOST_CONCAVE_CORNERS} "
+            "that are triangulated; cut it up in the modelling program"
         )
     return _ears(flat)
 
@@ -100,7 +100,7 @@ def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def _ears(flat: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Cut off ears of a counter-clockwise polygon, the best-shaped first; corners that coincide block no ear."""
+    """Cut off ears of a counter-clockwise polygon, the best first; corners that coincide block no ear."""
     left = np.arange(len(flat))
     triangles = []
     while len(left) > 3:

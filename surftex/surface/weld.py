@@ -61,7 +61,7 @@ def _first_of(group: NDArray[np.int64]) -> NDArray[np.int64]:
 def _by_appearance(
     group: NDArray[np.int64], first: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Number groups by their first members."""
+    """Renumber groups by their first members."""
     order = np.argsort(first)
     rank = np.zeros(len(order), np.int64)
     rank[order] = np.arange(len(order))
@@ -71,12 +71,12 @@ def _by_appearance(
 def _close_pairs(places: NDArray[np.float64], tolerance: float) -> NDArray[np.int64]:
     """Pairs of neighbours within the tolerance.
 
-    Cells twice the tolerance wide are laid eight times, each shifted by half a cell along some of the axes: two
-    points within the tolerance share a cell in at least one of them. Points alone in their cells are far apart.
+    Cells twice the tolerance wide are laid eight times, each shifted by half a cell along some of the axes:
+    two points within the tolerance share a cell in at least one of them. Points alone in theirs are far off.
     """
     if tolerance <= 0 or len(places) < 2:
         return np.zeros((0, 2), np.int64)
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     crowded = np.zeros(len(places), bool)
     scaled = (places - places.min(axis=0)) / (2 * tolerance)
@@ -92,7 +92,7 @@ def _close_pairs(places: NDArray[np.float64], tolerance: float) -> NDArray[np.in
     few = np.flatnonzero(crowded)
     if len(few) < 2:
         return np.zeros((0, 2), np.int64)
-    tree = cKDTree(places[few], balanced_tree=False, compact_nodes=False)
+    tree = KDTree(places[few], balanced_tree=False, compact_nodes=False)
     return few[_sparse_pairs(tree, places[few], tolerance)]
 
 

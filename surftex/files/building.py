@@ -1,0 +1,127 @@
+"""From the polygons of a file, or of another library, to a surface in millimetres."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.files.parts import chosen_faces, part_labels
+from surftex.files.polygons import Polygons, check_face_count
+from surftex.files.scaling import mm_per_unit
+from surftex.surface.repair import extent, repair
+from surftex.surface.surface import Surface
+from surftex.surface.triangulate import triangulate
+
+_UV_ROUNDING = 1e-4
+
+
+def surface_of(
+    polygons: Polygons,
+    where: str,
+    *,
+    name: str,
+    sha256: str,
+    units: str | None = None,
+    size: str | float | None = None,
+    part: str | None = None,
+) -> Surface:
+    """Choose a part, scale, centre, triangulate and mend.
+
+    Parameters
+    ----------
+    polygons : Polygons
+        What was read.
+    where : str
+        Its origin, for messages.
+    name : str
+        Stem for file names.
+    sha256 : str
+        Of its bytes.
+    units : str, optional
+        As for `surftex.files.meshes.load`.
+    size : str or float, optional
+        As for `surftex.files.meshes.load`.
+    part : str, optional
+        As for `surftex.files.meshes.load`.
+
+    Returns
+    -------
+    surface : Surface
+        Vertices count from the middle of the bounding box.
+
+    Raises
+    ------
+    MeshFileError
+        If the part is unknown, or the scale cannot be told.
+    SurfaceError
+        If nothing with an area is left.
+    """
+    warnings = list(polygons.warnings)
+    used = np.zeros(len(polygons.vertices), bool)
+    used[polygons.corner] = True
+    if not used.all():
+        warnings.append(f"{int((~used).sum())} vertices that no face uses were dropped")
+    places = polygons.vertices[used]
+    scale, notes = mm_per_unit(
+        float(extent(places).max()), where, own=polygons.mm_per_unit, units=units, size=size
+    )
+    warnings.extend(notes)
+    if part is not None:
+        polygons = polygons.selected(chosen_faces(polygons, part, where))
+        used[:] = False
+        used[polygons.corner] = True
+        places = polygons.vertices[used]
+        extent(places)
+    middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    points = (places - middle) * scale
+    corner = (np.cumsum(used) - 1)[polygons.corner]
+
+    sizes = np.diff(polygons.start)
+    check_face_count(int((sizes - 2).sum()), where)
+    triangles, polygon = triangulate(points, corner, polygons.start)
+    labels, names = part_labels(polygons)
+    uv = _own_uv(polygons, triangles, warnings)
+    normal = None if polygons.normals is None else polygons.normals[triangles]
+    mended = repair(points, corner[triangles], corner_uv=uv, corner_normal=normal, part=labels[polygon])
+    return Surface.from_arrays(
+        mended.vertices,
+        mended.faces,
+        corner_uv=mended.corner_uv,
+        corner_normal=mended.corner_normal,
+        part=mended.part,
+        part_names=names,
+        origin_mm=middle * scale,
+        name=name,
+        sha256=sha256,
+        mm_per_unit=scale,
+        warnings=tuple(warnings) + mended.warnings,
+    )
+
+
+def _own_uv(
+    polygons: Polygons, triangles: NDArray[np.int64], warnings: list[str]
+) -> NDArray[np.float64] | None:
+    """Take the first UV set that is complete and lies in 0..1, else the first complete one."""
+    fallback: tuple[int, NDArray[np.float64]] | None = None
+    partial = 0
+    for number, values in enumerate(polygons.uv_sets):
+        uv = values[triangles]
+        sound = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 1e6).all(axis=(1, 2))
+        if not sound.all():
+            partial = partial or int((~sound).sum())
+            continue
+        side = uv[:, 1:] - uv[:, :1]
+        area = np.abs(side[:, 0, 0] * side[:, 1, 1] - side[:, 0, 1] * side[:, 1, 0])
+        if not area.sum() > 0:
+            warnings.append(f"UV set {number} has no area and is ignored")
+            continue
+        if uv.min() >= -_UV_ROUNDING and uv.max() <= 1 + _UV_ROUNDING:
+            if number:
+                warnings.append(f"UV set {number} is used: the sets before it leave 0..1 or are incomplete")
+            return np.clip(uv, 0.0, 1.0)
+        fallback = fallback or (number, uv)
+    if fallback is not None:
+        low, high = fallback[1].min(), fallback[1].max()
+        warnings.append(f"the file's UVs leave 0..1 (they run from {low:.3g} to {high:.3g})")
+        return fallback[1]
+    if partial:
+        warnings.append(f"{partial} of {len(triangles)} faces have no usable UVs; the file's UVs are ignored")
+    return None
