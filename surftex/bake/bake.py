@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from surftex.bake.stages import Progress, Stages
 from surftex.errors import InputError, WorkError
-from surftex.recipe.model import Recipe
+from surftex.recipe.model import MeshSettings, Recipe
 from surftex.recipe.read import load_recipe, recipe_for
 from surftex.surface.surface import Surface
 
@@ -93,15 +93,22 @@ def bake(
         raise InputError(f"tile is {tile}; it takes at least 1 row")
     subject, recipe = _recipe_and_subject(subject, material)
     recipe = Recipe.of(
-        recipe, resolution=resolution, seed=seed, maps=_names(maps), uv=uv, unwrapper=unwrapper, gutter=gutter,
-        max_features=max_features, equalise=equalise,
-    )  # fmt: skip
+        recipe,
+        resolution=resolution,
+        seed=seed,
+        maps=_names(maps),
+        uv=uv,
+        unwrapper=unwrapper,
+        gutter=gutter,
+        max_features=max_features,
+        equalise=equalise,
+    )
     try:
         return _bake(subject, recipe, features, threads, tile, Stages(progress))
     except MemoryError:
         side = recipe.bake.resolution
         raise WorkError(
-            f"not enough memory for {side} x {side}; lower the resolution or the number of maps"
+            f"not enough memory for {side} x {side}; lower the resolution or ask for fewer"
         ) from None
 
 
@@ -120,7 +127,7 @@ def _bake(
         surface = _surface(subject, recipe)
         given = _features(features)
         fields = make_fields(recipe, surface)
-    with Unwrapping(surface, settings, stages) as unwrapping:
+    with Unwrapping(surface, settings, stages, threads) as unwrapping:
         with stages.stage("place") as tick:
             stack = place_stack(recipe, surface, fields, features=given, threads=threads, tick=tick)
         maps = chosen_maps(stack, settings.maps)
@@ -131,10 +138,10 @@ def _bake(
             gutter_px=settings.gutter, tile_rows=tile, threads=threads, tick=tick,
         )  # fmt: skip
     with stages.stage("seams"):
-        seam = measured_seams(surface, atlas, pages.images)
+        seam = measured_seams(surface, atlas, pages)
     warnings = surface.warnings + unwrapping.notes + atlas.notes
     report = make_report(surface, recipe, stack, atlas, pages, seam, stages, warnings)
-    return MapSet(surface=surface, atlas=atlas, images=pages.images, features=stack.features, report=report)
+    return MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)
 
 
 def _recipe_and_subject(subject: Any, material: Any) -> tuple[Any, Any]:
@@ -148,7 +155,9 @@ def _recipe_and_subject(subject: Any, material: Any) -> tuple[Any, Any]:
             raise InputError("the recipe names no mesh; add path under [mesh], or hand in a mesh as well")
         return None, subject
     if isinstance(material, (str, os.PathLike)):
-        material = recipe_for(material)
+        material = recipe_for(os.fspath(material))
+    if isinstance(material, Recipe) and material.mesh.path is not None:
+        material = material.model_copy(update={"mesh": MeshSettings()})  # how another mesh is to be read
     return subject, material
 
 

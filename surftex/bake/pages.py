@@ -25,7 +25,7 @@ TILE_TEXELS = 1 << 22
 """Texels of a tile where none is asked for: the whole page up to 2048 x 2048."""
 
 _SLICE = 1 << 15
-_CHANNEL_OF = {"height": "height_mm", "normal": "height_mm", "occlusion": "height_mm"}
+_CHANNEL_OF = {"height": "height_mm", "normal": "height_mm", "ambient_occlusion": "height_mm"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +40,14 @@ class Pages:
         Texels whose centre shows the surface.
     mapped : int
         Texels of core and gutter.
+    tangents : (m, 3, 4) float64
+        That the normals are told in.
     """
 
     images: dict[str, NDArray[Any]]
     core: int
     mapped: int
+    tangents: NDArray[np.float64]
 
 
 def chosen_maps(stack: Stack, asked: tuple[str, ...] | None) -> tuple[str, ...]:
@@ -74,7 +77,7 @@ def chosen_maps(stack: Stack, asked: tuple[str, ...] | None) -> tuple[str, ...]:
         return tuple(made)
     for name in asked:
         if _CHANNEL_OF.get(name, name) not in channels:
-            extra = ["occlusion"] * ("height_mm" in channels) + ["region"] * ("region" in channels)
+            extra = ["ambient_occlusion"] * ("height_mm" in channels) + ["region"] * ("region" in channels)
             raise InputError(f"no layer makes the map {name!r}; these layers make {', '.join(made + extra)}")
     return asked
 
@@ -149,7 +152,7 @@ def bake_pages(
         for page in images.values():
             flat = page.reshape(mapped.size, -1)
             flat[free] = flat[source[free]]
-    return Pages(images, core, count)
+    return Pages(images, core, count, tools.tangents)
 
 
 def _page(name: str, resolution: int) -> NDArray[Any]:
@@ -188,12 +191,10 @@ class _Tools:
 
     def __init__(self, surface: Surface, atlas: Atlas, maps: tuple[str, ...], threads: int | None) -> None:
         self.surface, self.atlas, self.threads = surface, atlas, threads
-        self.tangents: NDArray[np.float64] | None = None
-        self.looks_around = bool({"normal", "occlusion"} & set(maps))
-        if "normal" in maps:
-            from surftex.maps.normal import surface_tangents
+        self.looks_around = bool({"normal", "ambient_occlusion"} & set(maps))
+        from surftex.maps.normal import surface_tangents
 
-            self.tangents = surface_tangents(surface, atlas)
+        self.tangents = surface_tangents(surface, atlas)
 
     def margin_px(self, gutter: int) -> int:
         """Rows beyond a tile that its maps depend on."""

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from numpy.typing import NDArray
-
 from surftex.bake.pages import Pages
 from surftex.bake.stack import Stack, feature_counts
 from surftex.bake.stages import Stages, peak_rss_mb
@@ -103,7 +101,7 @@ def mesh_facts(surface: Surface) -> dict[str, Any]:
     }
 
 
-def measured_seams(surface: Surface, atlas: Atlas, images: dict[str, NDArray[Any]]) -> dict[str, Any]:
+def measured_seams(surface: Surface, atlas: Atlas, pages: Pages) -> dict[str, Any]:
     """Measure how much the maps jump at seams.
 
     Parameters
@@ -112,8 +110,8 @@ def measured_seams(surface: Surface, atlas: Atlas, images: dict[str, NDArray[Any
         What was baked.
     atlas : Atlas
         The unwrap.
-    images : dict of str to array
-        Maps by name.
+    pages : Pages
+        The maps.
 
     Returns
     -------
@@ -123,12 +121,11 @@ def measured_seams(surface: Surface, atlas: Atlas, images: dict[str, NDArray[Any
     from surftex.charts.seams import seam_report
 
     decode = {}
-    if "normal" in images:
-        from surftex.maps.normal import object_normals, surface_tangents
+    if "normal" in pages.images:
+        from surftex.maps.normal import object_normals
 
-        tangents = surface_tangents(surface, atlas)
         decode["normal"] = lambda values, points: object_normals(
-            surface, tangents, points.face, points.barycentric, values
+            surface, pages.tangents, points.face, points.barycentric, values
         )
-    measured = {name: image for name, image in images.items() if name != "region"}
+    measured = {name: image for name, image in pages.images.items() if name != "region"}
     return seam_report(surface, atlas, measured, decode=decode)

@@ -25,18 +25,24 @@ class Unwrapping:
         How.
     stages : Stages
         Where its time is noted.
+    threads : int, optional
+        None means every core.
     """
 
-    def __init__(self, surface: Surface, settings: BakeSettings, stages: Stages) -> None:
-        self.surface, self.settings, self.stages = surface, settings, stages
+    def __init__(
+        self, surface: Surface, settings: BakeSettings, stages: Stages, threads: int | None = None
+    ) -> None:
+        self.surface, self.settings, self.stages, self.threads = surface, settings, stages, threads
         self.cancelled = Event()
         self.pool: ThreadPoolExecutor | None = None
         self.future: Future[Atlas] | None = None
-        self.own, self.notes = own_atlas(surface, settings)
+        self.own: Atlas | None = None
+        self.notes: tuple[str, ...] = ()
 
     def __enter__(self) -> "Unwrapping":
         from surftex.charts.unwrap import XATLAS_FACES
 
+        self._keep_own()
         small = self.settings.unwrapper == "auto" and len(self.surface.faces) <= XATLAS_FACES
         if self.own is None and (self.settings.unwrapper == "xatlas" or small):
             self.pool = ThreadPoolExecutor(1, "surftex-unwrap")
@@ -60,6 +66,21 @@ class Unwrapping:
             return self.own
         return self._unwrap(children=False) if self.future is None else self.future.result()
 
+    def _keep_own(self) -> None:
+        """Take the file's own UVs if they are wanted and will do; note why not."""
+        uv = self.settings.uv
+        if uv == "unwrap" or (uv == "auto" and self.surface.corner_uv is None):
+            return
+        from surftex.charts.gate import keep_own
+
+        with self.stages.stage("own uv"):
+            try:
+                self.own = keep_own(self.surface, resolution=self.settings.resolution, threads=self.threads)
+            except InputError as problem:
+                if uv == "keep":
+                    raise
+                self.notes = (f"unwrapped anew: {str(problem).removesuffix('. Use --uv unwrap')}",)
+
     def _unwrap(self, *, children: bool) -> Atlas:
         from surftex.charts.unwrap import unwrap
 
@@ -77,44 +98,3 @@ class Unwrapping:
                 gutter_px=self.settings.gutter,
                 tick=told,
             )
-
-
-def own_atlas(surface: Surface, settings: BakeSettings) -> tuple[Atlas | None, tuple[str, ...]]:
-    """Take the file's own UVs if they are wanted and will do.
-
-    Parameters
-    ----------
-    surface : Surface
-        With or without UVs.
-    settings : BakeSettings
-        ``uv`` is ``"keep"``, ``"auto"`` or ``"unwrap"``.
-
-    Returns
-    -------
-    atlas : Atlas or None
-        None where a new unwrap is needed.
-    notes : tuple of str
-        Why the file's own were left.
-
-    Raises
-    ------
-    InputError
-        If they are to be kept and will not do.
-    """
-    if settings.uv == "unwrap":
-        return None, ()
-    if surface.corner_uv is None:
-        if settings.uv == "keep":
-            raise InputError(f"{surface.name} has no UVs to keep; leave uv at auto, or set it to unwrap")
-        return None, ()
-    from surftex.charts.gate import gate
-
-    atlas = Atlas.of(surface, surface.corner_uv, gutter_px=0)
-    problems = gate(surface, atlas, resolution=settings.resolution)
-    if not problems:
-        return atlas, ()
-    if settings.uv == "keep":
-        raise InputError(
-            f"the UVs of {surface.name} cannot be baked: {'; '.join(problems)}. Leave uv at auto"
-        )
-    return None, (f"the file's own UVs were not used: {'; '.join(problems)}",)

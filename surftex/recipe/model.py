@@ -18,7 +18,7 @@ from surftex.errors import RecipeError
 from surftex.recipe.fields import FieldEntry, PositiveMillimetres
 from surftex.recipe.layer import Layer
 
-MAPS = ("base_color", "roughness", "metallic", "specular", "normal", "height", "occlusion", "region")
+MAPS = ("base_color", "roughness", "metallic", "specular", "normal", "height", "ambient_occlusion", "region")
 """Maps that can be asked for."""
 
 
