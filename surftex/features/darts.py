@@ -19,7 +19,6 @@ from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
     from surftex.geodesics.directions import DirectionField
-
     from surftex.geodesics.windows import Buckets, Records
 
 Size = float | Callable[[SurfacePoints], NDArray[np.floating]]
@@ -50,7 +49,9 @@ class Ellipses:
             from surftex.features.uniform import area_points
 
             probes = area_points(surface, Stream(0).uniform(_PROBES, 3))
-        self._product = self.axis(probes).prod(axis=1)
+        axis = self.axis(probes)
+        self._product = axis.prod(axis=1)
+        self.roundness = float(np.mean((axis[:, 1] / axis[:, 0]) ** 2))
 
     def axis(self, points: SurfacePoints) -> NDArray[np.float64]:
         """(n, 2) major and minor semi-axes at n points, checked."""
@@ -176,29 +177,18 @@ class Darts:
 
 def undisputed(darts: Darts) -> NDArray[np.bool_]:
     """Which darts no earlier one of them can reach: no walk is shorter than the straight line."""
-    from scipy.spatial import cKDTree
+    from surftex.kernels.sampling import disputed_darts
 
-    free = np.ones(len(darts), bool)
-    if len(darts) < 2:
-        return free
-    reach = darts.axis[:, 0]
-    size = np.floor(np.log2(reach / reach.min())).astype(np.int64)
-    everyone = cKDTree(darts.position)
-    for group in np.unique(size):
-        members = np.flatnonzero(size == group)
-        farthest = float(reach[members].max()) * (1 + 1e-9)
-        if len(members) == len(darts):
-            pairs = everyone.query_pairs(farthest, output_type="ndarray")
-            earlier, later = pairs[:, 0], pairs[:, 1]
-        else:
-            near = cKDTree(darts.position[members]).sparse_distance_matrix(
-                everyone, farthest, output_type="ndarray"
-            )
-            earlier, later = members[near["i"]], near["j"]
-        apart = np.linalg.norm(darts.position[earlier] - darts.position[later], axis=1)
-        disputed = (earlier < later) & (apart <= reach[earlier] * (1 + 1e-9))
-        free[later[disputed]] = False
-    return free
+    disputed = np.zeros(len(darts), np.uint8)
+    if len(darts) > 1:
+        reach = darts.axis[:, 0] * (1 + 1e-9)
+        cell = np.floor((darts.position - darts.position.min(axis=0)) / reach.max()).astype(np.int64)
+        size = cell.max(axis=0) + 3
+        stride = np.array([size[1] * size[2], size[2], 1])
+        key = cell @ stride
+        dart = np.argsort(key, kind="stable")
+        disputed_darts(darts.position, reach, key[dart], dart, stride, disputed)
+    return disputed == 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +241,7 @@ class Board:
         if self.untried:
             self.untried = False
             return int(room) + 1
-        return int(1.5 * room + 0.1 * len(self)) + 1
+        return int(1.5 * room + 0.1 * self.ellipses.roundness * len(self)) + 1
 
     def darts(self, numbers: NDArray[np.float64], first: int) -> Darts:
         """Throw darts, uniform by area, and one at the middle of each piece that is too small to cut.

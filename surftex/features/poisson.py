@@ -27,6 +27,9 @@ from surftex.surface.surface import Surface
 if TYPE_CHECKING:
     from surftex.geodesics.directions import DirectionField
 
+TOO_COARSE = 0.5
+"""Pieces are cut when fewer than this share of the darts thrown at them hit free places."""
+
 __all__ = ["GAP", "Sites", "poisson_disk"]
 
 
@@ -124,7 +127,8 @@ def poisson_disk(
         numbers = stream.uniform(board.wish(), 3, first=drawn)
         fresh = board.darts(numbers, thrown)
         drawn, thrown = drawn + len(numbers), thrown + len(fresh)
-        pool = pool.joined(fresh.outside(floods, threads).measured(ellipses))
+        free = fresh.outside(floods, threads)
+        pool = pool.joined(free.measured(ellipses))
         first = undisputed(pool)
         chosen, pool = pool.part(first), pool.part(~first)
         if len(chosen):
@@ -135,7 +139,8 @@ def poisson_disk(
             parts.append(chosen)
             pool = pool.outside(floods[-1:], threads)
             board.strike(floods[-1])
-        board.split(floods)
+        if len(free) < TOO_COARSE * len(fresh):
+            board.split(floods)
         if tick:
             tick(board.done_share())
     sites = Darts.none()

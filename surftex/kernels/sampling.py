@@ -7,6 +7,8 @@ kernels read one flood, and callers go through several.
 
 import math
 
+import numpy as np
+
 from surftex.kernels.evaluate import distance_to, leaving_direction
 from surftex.kernels.jit import kernel
 
@@ -53,15 +55,41 @@ def excluded_darts(begin, end, bucket, flat, start, entry_row, row, row_id, sour
 
 
 @kernel
+def _outside(row, r, x, y):
+    """Distance of (x, y) from the sides of the wedge that row r sees; 0 inside."""
+    dx, dy = x - row[r, 0], y - row[r, 1]
+    ux, uy = row[r, 2] - row[r, 0], row[r, 3] - row[r, 1]
+    beyond = ux * dy - uy * dx
+    if beyond > 0:
+        return beyond / math.sqrt(ux * ux + uy * uy)
+    ux, uy = row[r, 4] - row[r, 0], row[r, 5] - row[r, 1]
+    beyond = uy * dx - ux * dy
+    if beyond > 0:
+        return beyond / math.sqrt(ux * ux + uy * uy)
+    return 0.0
+
+
+@kernel
+def _straight_log(kind, row, r, x, y):
+    """Length and log vector of (x, y) through row r as if the interval did not end: an isometry."""
+    dx, dy = x - row[r, 0], y - row[r, 1]
+    length = row[r, 6] + math.sqrt(dx * dx + dy * dy)
+    c, s = row[r, 7], row[r, 8]
+    if kind == 1:
+        return length, length * c, length * s
+    return length, c * dx - s * dy, s * dx + c * dy
+
+
+@kernel
 def covered_pieces(begin, end, bucket, corner, start, entry_row, row, row_id, source_of, whiten, axis, out):
     """Classify pieces [begin, end) of faces: 0 no region touches it, 1 one may, 2 it is surely inside one.
 
     bucket (n,) int64; corner (n, 3, 2): in the frame of the face, none leaves its bucket; whiten, axis as for
     `excluded_darts`; out (n,) uint8: raised, never lowered.
 
-    A log vector moves by no more than the point does as long as one window is the shortest, so a region holds
-    a piece if it holds the centre with a margin of the piece's radius for every window that may be the
-    shortest somewhere in the piece.
+    The log vector moves by no more than the point does as long as one row is the shortest, so a region
+    holds a piece if it holds the middle, with a margin of the piece's radius, through every row of its
+    source that sees some of the piece and may be the shortest there.
     """
     for i in range(begin, end):
         if out[i] == 2:
@@ -86,18 +114,44 @@ def covered_pieces(begin, end, bucket, corner, start, entry_row, row, row_id, so
                 out[i] = 2
                 break
             margin = 1 - radius / axis[s, 1]
-            if _norm(row_id[r, 2], row, r, x, y, distance, s, whiten, axis) > margin:
+            if distance + radius > axis[s, 0] or _outside(row, r, x, y) > 0:
                 continue
             inside = True
             for other in range(first, last):
                 q = entry_row[other]
-                if source_of[row_id[q, 1]] == s and q != r and inside:
-                    length = distance_to(row_id[q, 2], row, q, x, y)
+                if inside and source_of[row_id[q, 1]] == s and _outside(row, q, x, y) <= radius:
+                    length, u, v = _straight_log(row_id[q, 2], row, q, x, y)
                     if length < distance + 2 * radius:
-                        inside = _norm(row_id[q, 2], row, q, x, y, length, s, whiten, axis) <= margin
+                        inside = math.hypot(whiten[s, 0] * u + whiten[s, 1] * v,
+                                            whiten[s, 2] * u + whiten[s, 3] * v) <= margin  # fmt: skip
             if inside:
                 out[i] = 2
                 break
+
+
+@kernel
+def disputed_darts(position, reach, key, dart, stride, out):
+    """Mark the darts that an earlier one may reach: position (n, 3), reach (n,), ascending in time.
+
+    key (n,) int64: sorted numbers of cells, no smaller than any reach, of a grid in which neighbours along
+    x, y, z differ by stride[0], stride[1] and 1; dart (n,) int64: the dart of each; out (n,) uint8: 0 or 1.
+    """
+    for k in range(len(key)):
+        i = dart[k]
+        for column in range(9):
+            corner = key[k] + (column // 3 - 1) * stride[0] + (column % 3 - 1) * stride[1] - 1
+            if out[i]:
+                break
+            for other in range(np.searchsorted(key, corner), len(key)):
+                if key[other] > corner + 2:
+                    break
+                j = dart[other]
+                if j < i:
+                    x, y = position[i, 0] - position[j, 0], position[i, 1] - position[j, 1]
+                    z = position[i, 2] - position[j, 2]
+                    if x * x + y * y + z * z <= reach[j] * reach[j]:
+                        out[i] = 1
+                        break
 
 
 @kernel
