@@ -4,6 +4,7 @@ A point array is (n, 3); each function returns (n,). `blend` lengths say over ho
 """
 
 import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 
 def length(p):
@@ -64,11 +65,26 @@ def rod(p, a, b, radius_a, radius_b=None):
     return length(p - a - t[..., None] * along) - (radius_a + (radius_b - radius_a) * t)
 
 
-def path(p, points, radii, blend=0.0):
-    """Round cones along a polyline."""
+def path(p, points, radii, blend=0.0, smooth=3):
+    """Round cones along a smooth curve through the points, `smooth` of them for each piece."""
+    at = np.arange(len(points))
+    fine = np.linspace(0, at[-1], smooth * at[-1] + 1)
+    points = CubicSpline(at, np.asarray(points, float), bc_type="natural")(fine)
+    radii = PchipInterpolator(at, radii)(fine)
     result = rod(p, points[0], points[1], radii[0], radii[1])
     for i in range(1, len(points) - 1):
         result = union(result, rod(p, points[i], points[i + 1], radii[i], radii[i + 1]), blend)
+    return result
+
+
+def near(p, centre, radius, function):
+    """Values of a costly solid inside a ball that holds it; outside, the distance to half that ball."""
+    centre = np.asarray(centre, float)
+    away = length(p - centre)
+    result = away - 0.5 * radius
+    inside = np.flatnonzero(away < radius)
+    if len(inside):
+        result[inside] = function(p[inside])
     return result
 
 
