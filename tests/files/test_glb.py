@@ -39,7 +39,7 @@ def parted_ball(origin_mm=(1.0, 2.0, 3.0)):
 
 def faceted():
     """More corners than 16 bits can number, each a vertex of its own."""
-    ring = torus(columns=110, rows=101)
+    ring = torus(columns=150, rows=120)
     normal = np.repeat(ring.frame[:, None, 2], 3, axis=1)
     return Surface.from_arrays(ring.vertices, ring.faces, corner_normal=normal, name="ring")
 
