@@ -28,8 +28,12 @@ class Case:
 
 def ball(columns=12, rows=8):
     """Vertices and faces of a closed sphere of radius 1, poles up and down."""
-    tilt, turn = np.meshgrid(np.arange(1, rows) * np.pi / rows, np.arange(columns) * 2 * np.pi / columns, indexing="ij")
-    rings = np.stack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)], -1).reshape(-1, 3)
+    tilt, turn = np.meshgrid(
+        np.arange(1, rows) * np.pi / rows, np.arange(columns) * 2 * np.pi / columns, indexing="ij"
+    )
+    rings = np.stack([np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), np.cos(tilt)], -1).reshape(
+        -1, 3
+    )
     vertices = np.concatenate([[[0, 0, 1]], rings, [[0, 0, -1]]])
     faces, last = [], len(vertices) - 1
     for i in range(columns):
@@ -47,7 +51,9 @@ def sheet(cells=6):
     x, y = np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1))
     vertices = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], 1)
     a = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
-    return vertices, np.concatenate([np.stack([a, a + 1, a + cells + 2], 1), np.stack([a, a + cells + 2, a + cells + 1], 1)])
+    return vertices, np.concatenate(
+        [np.stack([a, a + 1, a + cells + 2], 1), np.stack([a, a + cells + 2, a + cells + 1], 1)]
+    )
 
 
 def obj(vertices, faces, *, uv=None, before="", after=""):
@@ -61,7 +67,12 @@ def obj(vertices, faces, *, uv=None, before="", after=""):
 def stl(vertices, faces, *, header=b"", after=b"", count=None):
     records = np.zeros(len(faces), np.dtype([("n", "<f4", 3), ("c", "<f4", (3, 3)), ("a", "<u2")]))
     records["c"] = vertices[faces]
-    return header.ljust(80) + struct.pack("<I", len(faces) if count is None else count) + records.tobytes() + after
+    return (
+        header.ljust(80)
+        + struct.pack("<I", len(faces) if count is None else count)
+        + records.tobytes()
+        + after
+    )
 
 
 def stl_text(vertices, faces):
@@ -120,13 +131,17 @@ def glb_of(doc, binary):
     text = json.dumps(doc).encode() if isinstance(doc, dict) else doc
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
-    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary
+    body = (
+        struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(binary), b"BIN\0") + binary
+    )
     return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
 
 
 def gltf(vertices, faces, uri=None, **changes):
     doc, binary = document(vertices, faces, **changes)
-    doc["buffers"][0]["uri"] = uri or "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+    doc["buffers"][0]["uri"] = (
+        uri or "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+    )
     return json.dumps(doc).encode()
 
 
@@ -279,7 +294,9 @@ def _umbrella(count):
     turn = np.arange(count) * 2 * np.pi / count
     rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], 1)
     ring = np.arange(count)
-    return np.concatenate([rim, [[0, 0, 0.2]]]), np.stack([ring, (ring + 1) % count, np.full(count, count)], 1)
+    return np.concatenate([rim, [[0, 0, 0.2]]]), np.stack(
+        [ring, (ring + 1) % count, np.full(count, count)], 1
+    )
 
 
 def write(case: Case, folder: Path) -> Path:

@@ -161,7 +161,9 @@ def test_no_other_file_is_opened(tmp_path, monkeypatch):
     (tmp_path / "a.mtl").write_text("newmtl m\nmap_Kd ../../etc/passwd\n")
     opened = []
     real = os.open
-    monkeypatch.setattr(os, "open", lambda name, *rest, **more: opened.append(str(name)) or real(name, *rest, **more))
+    monkeypatch.setattr(
+        os, "open", lambda name, *rest, **more: opened.append(str(name)) or real(name, *rest, **more)
+    )
     load(path, size=300)
     assert opened == [str(path)]
 

@@ -17,7 +17,23 @@ SEEDS = {
     b"property float y\nproperty float z\nelement face 2\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
     b"3 0 1 2\n4 0 1 2 0\n", "a.off": off(V, F), "a.glb": glb(V, F), "a.gltf": gltf(V, F),
 }  # fmt: skip
-WORDS = [b"nan", b"-1", b"0", b"99999999999", b"1e400", b"//", b"\n", b" ", b"null", b"{}", b"[]", b"true", b"\xff", b'""', b"1.5"]
+WORDS = [
+    b"nan",
+    b"-1",
+    b"0",
+    b"99999999999",
+    b"1e400",
+    b"//",
+    b"\n",
+    b" ",
+    b"null",
+    b"{}",
+    b"[]",
+    b"true",
+    b"\xff",
+    b'""',
+    b"1.5",
+]
 
 
 def damaged(data, name, number):

@@ -41,7 +41,9 @@ def test_gltf_is_metres_and_the_origin_comes_back(tmp_path):
     assert (surface.vertices + surface.origin_mm).min(0) == pytest.approx([10000, 0, 0])
 
 
-@pytest.mark.parametrize(("side", "unit"), [(0.5, "m"), (4.9, "m"), (30, "cm"), (499, "cm"), (600, "mm"), (4999, "mm")])
+@pytest.mark.parametrize(
+    ("side", "unit"), [(0.5, "m"), (4.9, "m"), (30, "cm"), (499, "cm"), (600, "mm"), (4999, "mm")]
+)
 def test_units_are_guessed_by_size(tmp_path, side, unit):
     v, f = sheet()
     surface = load(saved(tmp_path, "a.obj", obj(v * side, f)))
@@ -60,7 +62,9 @@ def test_an_implausible_size_asks_for_a_unit(tmp_path, side):
     assert not load(path, units="in").warnings
 
 
-@pytest.mark.parametrize("wrong", [{"units": "feet"}, {"size": "big"}, {"size": 0}, {"size": "-3 mm"}, {"size": "1e300 m"}])
+@pytest.mark.parametrize(
+    "wrong", [{"units": "feet"}, {"size": "big"}, {"size": 0}, {"size": "-3 mm"}, {"size": "1e300 m"}]
+)
 def test_wrong_units_and_sizes_are_refused(tmp_path, wrong):
     path = saved(tmp_path, "a.obj", obj(*sheet()))
     with pytest.raises(RecipeError):
@@ -74,7 +78,9 @@ def test_obj_corners_carry_their_own_uv_and_normals(tmp_path):
     )
     surface = load(saved(tmp_path, "a.obj", text.encode()), units="m")
     assert len(surface.vertices) == 4
-    assert surface.corner_uv == pytest.approx(np.array([[[0.1, 0.2], [0.3, 0.2], [0.3, 0.4]], [[0.5, 0.5], [0.3, 0.4], [0.1, 0.2]]]))
+    assert surface.corner_uv == pytest.approx(
+        np.array([[[0.1, 0.2], [0.3, 0.2], [0.3, 0.4]], [[0.5, 0.5], [0.3, 0.4], [0.1, 0.2]]])
+    )
     assert surface.corner_normal == pytest.approx(np.array([[[0, 0, 1]] * 3, [[0, 0.6, 0.8]] * 3]))
 
 
@@ -108,14 +114,20 @@ def test_obj_parts_by_material_group_and_object(tmp_path):
 
 def test_the_size_is_that_of_the_whole_file_not_of_the_part(tmp_path):
     v, f = sheet()
-    text = obj(np.concatenate([v, v + [3, 0, 0]]), f) + b"usemtl second\n" + b"".join(b"f %d %d %d\n" % tuple(t) for t in f + 50)
+    text = (
+        obj(np.concatenate([v, v + [3, 0, 0]]), f)
+        + b"usemtl second\n"
+        + b"".join(b"f %d %d %d\n" % tuple(t) for t in f + 50)
+    )
     surface = load(saved(tmp_path, "a.obj", text), size="400 mm", part="second")
     assert (surface.vertices.max(0) - surface.vertices.min(0)).max() == pytest.approx(100)
 
 
 def test_stl_solids_are_parts(tmp_path):
     v, f = sheet()
-    text = stl_text(v, f).replace(b"solid ball", b"solid left") + stl_text(v + [2, 0, 0], f).replace(b"solid ball", b"solid right")
+    text = stl_text(v, f).replace(b"solid ball", b"solid left") + stl_text(v + [2, 0, 0], f).replace(
+        b"solid ball", b"solid right"
+    )
     surface = load(saved(tmp_path, "a.stl", text), units="m", part="Right")
     assert len(surface.faces) == 72
     assert surface.origin_mm[0] == pytest.approx(2500)
@@ -130,10 +142,15 @@ def test_ply_uvs_and_mixed_polygons(tmp_path, names, form):
     head += "".join(f"property double {n}\n" for n in names)
     head += "element face 2\nproperty uchar flags\nproperty list uchar int vertex_index\nend_header\n"
     if form == "ascii":
-        body = "".join(" ".join(map(repr, map(float, row))) + "\n" for row in rows).encode() + b"7 4 0 1 2 3\n7 3 1 4 2\n"
+        body = (
+            "".join(" ".join(map(repr, map(float, row))) + "\n" for row in rows).encode()
+            + b"7 4 0 1 2 3\n7 3 1 4 2\n"
+        )
     else:
         order = "<" if "little" in form else ">"
-        body = rows.astype(order + "f8").tobytes() + struct.pack(order + "BB4iBB3i", 7, 4, 0, 1, 2, 3, 7, 3, 1, 4, 2)
+        body = rows.astype(order + "f8").tobytes() + struct.pack(
+            order + "BB4iBB3i", 7, 4, 0, 1, 2, 3, 7, 3, 1, 4, 2
+        )
     surface = load(saved(tmp_path, "a.ply", head.encode() + body), units="m")
     assert len(surface.faces) == 3
     assert surface.area_mm2 == pytest.approx(1.5e6)
@@ -164,7 +181,9 @@ def _with_uv(*sets):
     doc, binary = document(v, f)
     for number, uv in enumerate(sets):
         doc["meshes"][0]["primitives"][0]["attributes"][f"TEXCOORD_{number}"] = len(doc["accessors"])
-        doc["accessors"].append({"bufferView": len(doc["bufferViews"]), "componentType": 5126, "count": len(uv), "type": "VEC2"})
+        doc["accessors"].append(
+            {"bufferView": len(doc["bufferViews"]), "componentType": 5126, "count": len(uv), "type": "VEC2"}
+        )
         doc["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": 8 * len(uv)})
         binary += np.asarray(uv, "<f4").tobytes()
     doc["buffers"][0]["byteLength"] = len(binary)
