@@ -1,0 +1,61 @@
+"""How far the k-th nearest source can be, face by face: what a flood may leave out."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.arrays import frozen, read_only_view
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+
+def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np.float64]:
+    """Bound the distance to the k-th nearest of some sources, anywhere on each face.
+
+    Walks along edges bound it at the corners; from a corner, no place of the face is farther than its longer edge. The
+    bound is good where sources are several edges apart, and loose where faces hold many: a radius serves those.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    points : SurfacePoints
+        The sources.
+    k : int
+        How many nearest are wanted, at least 1.
+
+    Returns
+    -------
+    bound_mm : (m,) float64
+        For `flood_points`; inf where fewer than k sources can be reached.
+    """
+    from surftex.kernels.bounds import nearest_labels
+
+    points.check_on(surface)
+    vertices = len(surface.vertices)
+    start, corner, _ = surface.fans
+    room = 6 * vertices + 4 * len(points) + 64
+    full = 1
+    label, length = np.full((vertices, k), -1, np.int32), np.full((vertices, k), np.inf)
+    while full:
+        label.fill(-1)
+        length.fill(np.inf)
+        key, item, used = np.zeros(room), np.zeros((room, 2), np.int32), np.zeros(vertices, np.int32)
+        full = nearest_labels(
+            read_only_view(points.face, np.int32),
+            frozen(points.flat(surface)),
+            surface.faces,
+            surface.flat,
+            start,
+            corner,
+            surface.edge_length,
+            key,
+            item,
+            label,
+            length,
+            used,
+        )
+        room *= 2
+    edge = surface.edge_length
+    longer = np.maximum(edge, np.roll(edge, 1, axis=1))
+    corner_bound = length[:, k - 1][surface.faces] + longer
+    return frozen(corner_bound.min(axis=1) * (1 + 1e-9))
