@@ -1,1 +1,1 @@
-"""Pictures of a result: off-screen stills."""
+"""What a result looks like: off-screen stills and contact sheets."""

@@ -1,0 +1,282 @@
+"""Off-screen stills: what a mesh or a bake looks like, lit by soft boxes, without a display or a graphics card.
+
+Rays meet triangles in a compiled loop, and every sample is shaded in numpy: the same picture, to the byte, on
+any machine of one kind, and no driver is needed.
+"""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from surftex.errors import InputError, RecipeError, WorkError
+from surftex.files.scene import Body
+from surftex.kernels.pool import slices
+from surftex.preview.bodies import bodies_of, factors_of, pyramid_of
+from surftex.preview.camera import UPS, Camera, camera_for
+from surftex.preview.shading import Lit, lit, shaded
+from surftex.preview.studio import Studio, lamps_of, studio_named
+
+_BAND, _CHUNK = 64, 200_000
+
+
+def render(
+    subject: Any,
+    *,
+    size: tuple[int, int] = (1280, 960),
+    view: str | tuple[float, float] = "three-quarter",
+    light: str | Studio = "studio",
+    zoom: float = 1.0,
+    target: ArrayLike | None = None,
+    background: str | ArrayLike = "#e9e7e4",
+    up: str = "y",
+    floor: bool | None = None,
+    samples: int = 2,
+) -> NDArray[np.uint8]:
+    """Draw a still.
+
+    Parameters
+    ----------
+    subject : path, MapSet, Surface or (vertices, faces)
+        GLB and glTF come with colour, roughness, normals and specular; other meshes look like clay.
+    size : (2,) int
+        Width and height in pixels.
+    view : str or (2,) float
+        Name such as "front", "left", "top" or "three-quarter", or azimuth and elevation in degrees.
+    light : str or Studio
+        "studio" flatters; "raking" grazes from the left and shows relief.
+    zoom : float
+        1 shows everything, 10 a tenth of it.
+    target : (3,) float, optional
+        Place in millimetres to have in the middle.
+    background : str or (3,) float
+        "#rrggbb", or linear light.
+    up : str
+        Axis that points up: x, y or z.
+    floor : bool, optional
+        Whether the subject stands on a floor that takes its shadow; without it, where it is seen whole from above.
+    samples : int
+        Samples along each side of a pixel.
+
+    Returns
+    -------
+    picture : (height, width, 3) uint8
+        sRGB codes.
+
+    Raises
+    ------
+    InputError
+        If the subject cannot be drawn.
+    RecipeError
+        If an option is none.
+    """
+    if samples not in range(1, 9):
+        raise RecipeError(f"samples is {samples}; it takes 1 to 8")
+    if len(size) != 2 or min(size) < 1 or max(size) * samples > 32768:
+        raise RecipeError(f"size is {tuple(size)}; it takes width and height, at most {32768 // samples}")
+    studio, behind = studio_named(light), _color(background)
+    bodies = bodies_of(subject)
+    start = np.cumsum([0] + [len(body.vertices) for body in bodies])
+    vertices = np.concatenate([body.vertices for body in bodies])
+    faces = np.concatenate([body.faces + at for body, at in zip(bodies, start[:-1], strict=True)]).astype(np.int32)
+    seen = np.unique(faces)
+    fine = (size[0] * samples, size[1] * samples)
+    camera = camera_for(vertices[seen], fine, view=view, zoom=zoom, target=target, up=up)
+    scene = lit(vertices, faces, studio, lamps_of(studio, camera.axes, UPS[up]), UPS[up])
+    face, weight = _visible(camera.project(vertices)[faces], fine)
+    picture = np.broadcast_to(behind, (*face.shape, 3)).astype(np.float32).copy()
+    if floor if floor is not None else (zoom <= 1.5 and camera.axes[2] @ UPS[up] > 0.02):
+        _stand(picture, face, scene, camera, float((vertices[seen] @ UPS[up]).min()))
+    _paint(picture, face, weight, bodies, scene, camera)
+    width, height = size
+    linear = picture.reshape(height, samples, width, samples, 3).mean(axis=(1, 3))
+    return _codes(linear)
+
+
+def render_file(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    **options: Any,
+) -> Path:
+    """Draw a mesh file or a bake's GLB into a PNG.
+
+    Parameters
+    ----------
+    path : path
+        Of the mesh.
+    out : path
+        Of the picture; an existing file is replaced, whole.
+    **options
+        Of `render`.
+
+    Returns
+    -------
+    path : Path
+        Of the picture.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in .png.
+    WorkError
+        If it cannot be written.
+    """
+    from surftex.files.images import png_bytes
+
+    target = Path(out)
+    if target.suffix.lower() != ".png":
+        raise InputError(f"{target}: pictures are PNG; let the name end in .png")
+    data = png_bytes(render(path, **options))
+    draft = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        draft.write_bytes(data)
+        draft.replace(target)
+    except OSError as problem:
+        draft.unlink(missing_ok=True)
+        raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
+    return target
+
+
+def _visible(corner: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """Face and weights behind each sample."""
+    from surftex.kernels.view import nearest_faces
+
+    width, height = size
+    face = np.full((height, width), -1, np.int32)
+    weight, near = np.zeros((height, width, 3), np.float32), np.zeros((height, width), np.float32)
+    corner = np.ascontiguousarray(corner)
+    slices(lambda a, b: nearest_faces(corner, a, face[a:b], weight[a:b], near[a:b]), height, size=_BAND)
+    return face, weight
+
+
+def _stand(picture: NDArray[np.float32], face: NDArray[np.int32], scene: Lit, camera: Camera, level: float) -> None:
+    """Darken the background where a floor below would lie in shadow."""
+    row, column = np.nonzero(face < 0)
+    for first in range(0, len(row), _CHUNK):
+        r, c = row[first : first + _CHUNK], column[first : first + _CHUNK]
+        ray = camera.rays(c + 0.5, r + 0.5)
+        down = ray @ scene.up
+        reach = (level - camera.place @ scene.up) / np.where(down < -1e-6, down, -1.0)
+        point = camera.place + reach[:, None] * ray
+        apart = np.linalg.norm(point - scene.centre, axis=1) * scene.scale / 512
+        hit = np.flatnonzero((down < -1e-6) & (apart < 3))
+        normal = np.broadcast_to(scene.up.astype(np.float32), (len(hit), 3))
+        light, _ = scene.gather(point[hit], normal, normal)
+        toward = np.maximum(scene.lamps.frame[:, 2] @ scene.up, 0) * scene.lamps.share
+        share = light.sum(axis=1) / max(float(toward.sum()), 1e-9)
+        fade = np.clip((3 - apart[hit]) / 2, 0, 1)
+        picture[r[hit], c[hit]] *= (1 - fade * (1 - np.clip(share, 0, 1)))[:, None].astype(np.float32)
+
+
+def _paint(
+    picture: NDArray[np.float32],
+    face: NDArray[np.int32],
+    weight: NDArray[np.float32],
+    bodies: list[Body],
+    scene: Lit,
+    camera: Camera,
+) -> None:
+    """Shade every sample that shows a body."""
+    base = 0
+    for body in bodies:
+        row, column = np.nonzero((face >= base) & (face < base + len(body.faces)))
+        corner = camera.project(body.vertices)[body.faces][..., :2]
+        levels = _levels(body, corner)
+        for first in range(0, len(row), _CHUNK):
+            r, c = row[first : first + _CHUNK], column[first : first + _CHUNK]
+            picture[r, c] = _samples(body, face[r, c] - base, weight[r, c], levels, scene, camera)
+        base += len(body.faces)
+
+
+def _levels(body: Body, corner: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Which halving of the pictures fits a sample, for each face."""
+    pyramid = pyramid_of(body)
+    if pyramid is None or body.uv is None:
+        return np.zeros(len(body.faces), np.float32)
+    height, width = pyramid.levels[0].shape[:2]
+    texel = body.uv[body.faces] * [width, height]
+
+    def area(places: NDArray[np.float64]) -> NDArray[np.float64]:
+        one, two = places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]
+        return np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+
+    return (0.5 * np.log2(np.maximum(area(texel), 1e-12) / np.maximum(area(corner), 1e-12)) - 0.5).astype(np.float32)
+
+
+def _samples(
+    body: Body,
+    face: NDArray[np.int32],
+    weight: NDArray[np.float32],
+    levels: NDArray[np.float32],
+    scene: Lit,
+    camera: Camera,
+) -> NDArray[np.float32]:
+    """Shade samples of one body."""
+    index = body.faces[face]
+
+    def blended(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.einsum("nk,nkc->nc", weight, values[index])
+
+    point = blended(body.vertices)
+    a, b, c = (body.vertices[index[:, k]] for k in range(3))
+    facing = _unit(np.cross(b - a, c - a))
+    to_eye = _unit(camera.place - point)
+    smooth = _unit(blended(body.normals)) if body.normals is not None else facing
+    material = np.broadcast_to(factors_of(body), (len(face), 13)).copy()
+    normal, pyramid = smooth, pyramid_of(body)
+    if pyramid is not None and body.uv is not None:
+        material = pyramid.at(blended(body.uv), levels[face])
+        local = material[:, 9:12]
+        material[:, 12] = np.linalg.norm(local, axis=1)
+        raw = blended(body.normals) if body.normals is not None else facing
+        if body.tangents is not None:
+            tangent, sign = blended(body.tangents[:, :3]), np.sign(body.tangents[index[:, 0], 3])[:, None]
+        else:
+            tangent, sign = _tangents(b - a, c - a, body.uv[index], raw)
+        normal = _unit(local[:, :1] * tangent + local[:, 1:2] * sign * np.cross(raw, tangent) + local[:, 2:] * raw)
+    behind = np.where((facing * to_eye).sum(axis=1) < 0, -1.0, 1.0)[:, None]
+    return shaded(scene, material, point, *(
+        (v * k).astype(np.float32) for v, k in ((normal, behind), (facing, behind), (to_eye, 1.0))
+    ))  # fmt: skip
+
+
+def _tangents(
+    one: NDArray[np.float64], two: NDArray[np.float64], uv: NDArray[np.float64], normal: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Direction of u across each face, and the side of its bitangent, for files without tangents."""
+    du, dv = uv[:, 1:, 0] - uv[:, :1, 0], uv[:, :1, 1] - uv[:, 1:, 1]
+    twice = du[:, 0] * dv[:, 1] - du[:, 1] * dv[:, 0]
+    sign = np.where(twice < 0, -1.0, 1.0)[:, None]
+    tangent = sign * (one * dv[:, 1:] - two * dv[:, :1])
+    tangent -= (tangent * normal).sum(axis=1, keepdims=True) * normal
+    return _unit(tangent), sign
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-20)
+
+
+def _color(value: str | ArrayLike) -> NDArray[np.float32]:
+    """Linear light of a colour."""
+    from surftex.preview.texture import linear_light
+
+    if isinstance(value, str):
+        text = value.lstrip("#")
+        if len(text) != 6 or any(c not in "0123456789abcdefABCDEF" for c in text):
+            raise RecipeError(f"background is {value!r}; it takes '#rrggbb'")
+        return linear_light(np.array([int(text[k : k + 2], 16) for k in (0, 2, 4)], np.uint8))
+    color = np.asarray(value, np.float32)
+    if color.shape != (3,):
+        raise RecipeError(f"background is {value!r}; it takes '#rrggbb' or three numbers of linear light")
+    return color
+
+
+def _codes(linear: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Encode for a screen; what is brighter than white bends over instead of being cut."""
+    from surftex.files.images import srgb_codes
+
+    knee = np.float32(0.75)
+    over = np.maximum(linear - knee, 0)
+    return srgb_codes(np.minimum(linear, knee) + over / (1 + over / (1 - knee)))

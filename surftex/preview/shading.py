@@ -1,0 +1,180 @@
+"""Light leaving a surface: GGX over Lambert, lit by lamps with shadows, mirroring boxes blurred by roughness."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.kernels.pool import slices
+from surftex.preview.studio import Lamps, Studio, mirrored
+
+_MAP_PX = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """A scene with its lamps lit.
+
+    Attributes
+    ----------
+    studio : Studio
+        The lamps' kind.
+    lamps : Lamps
+        Where they are.
+    up : (3,) float64
+        Where the ceiling is.
+    centre : (3,) float64
+        Middle of the scene.
+    scale : float
+        Shadow pixels in a millimetre.
+    depth : (l, s, s) float32
+        What each lamp sees.
+    """
+
+    studio: Studio
+    lamps: Lamps
+    up: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    scale: float
+    depth: NDArray[np.float32]
+
+    def gather(
+        self, point: NDArray[np.float64], normal: NDArray[np.float32], facing: NDArray[np.float32]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Collect light at points.
+
+        Parameters
+        ----------
+        point : (n, 3) float
+            Millimetres.
+        normal : (n, 3) float
+            That shade.
+        facing : (n, 3) float
+            Of the mesh.
+
+        Returns
+        -------
+        light : (n, g) float32
+            Irradiance over pi, from each box and from the room.
+        seen : (n, g) float32
+            Share of it that is in sight.
+        """
+        from surftex.kernels.view import lamp_light
+
+        groups = len(self.studio.boxes) + 1
+        light, seen = np.zeros((len(point), groups), np.float32), np.zeros((len(point), groups), np.float32)
+        place = np.ascontiguousarray(point - self.centre, dtype=np.float32)
+        normal, facing = (np.ascontiguousarray(v, dtype=np.float32) for v in (normal, facing))
+        slack = 1.6 / self.scale
+
+        def work(first: int, last: int) -> None:
+            lamp_light(
+                place[first:last], normal[first:last], facing[first:last], self.lamps.frame, self.lamps.share,
+                self.lamps.group, self.scale, self.depth, slack, light[first:last], seen[first:last],
+            )  # fmt: skip
+
+        slices(work, len(place), size=32768)
+        count = np.bincount(self.lamps.group, minlength=groups).astype(np.float32)
+        count[-1] *= 0.5
+        return light, np.minimum(seen / count, 1)
+
+
+def lit(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    studio: Studio,
+    lamps: Lamps,
+    up: NDArray[np.float64],
+) -> Lit:
+    """Draw the shadows.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+        Of everything that throws one.
+    faces : (m, 3) int32
+        Triangles.
+    studio : Studio
+        The lamps' kind.
+    lamps : Lamps
+        Where they are.
+    up : (3,) float
+        Where the ceiling is.
+
+    Returns
+    -------
+    lit : Lit
+        Ready to gather.
+    """
+    from surftex.kernels.view import lamp_depths
+
+    centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    place = np.ascontiguousarray(vertices - centre)
+    radius = max(float(np.linalg.norm(place, axis=1).max()), 1e-6)
+    scale = 0.49 * _MAP_PX / radius
+    depth = np.full((len(lamps.frame), _MAP_PX, _MAP_PX), -1e30, np.float32)
+    faces = np.ascontiguousarray(faces, dtype=np.int32)
+    slices(lambda a, b: lamp_depths(place, faces, lamps.frame[a:b], scale, depth[a:b]), len(lamps.frame), size=4)
+    return Lit(studio, lamps, up, centre, scale, depth)
+
+
+def shaded(
+    scene: Lit,
+    material: NDArray[np.float32],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float32],
+    facing: NDArray[np.float32],
+    to_eye: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """Shade points.
+
+    Parameters
+    ----------
+    scene : Lit
+        The lamps.
+    material : (n, 13) float32
+        As in `surftex.preview.bodies`; the last is the length of the blended normal: a short one is rough.
+    point : (n, 3) float
+        Millimetres.
+    normal : (n, 3) float32
+        Unit vectors that shade.
+    facing : (n, 3) float32
+        Unit normals of the mesh.
+    to_eye : (n, 3) float32
+        Unit vectors to the camera.
+
+    Returns
+    -------
+    color : (n, 3) float32
+        Linear radiance.
+    """
+    base, occlusion, roughness, metallic = material[:, :3], material[:, 3:4], material[:, 4], material[:, 5:6]
+    f0 = material[:, 6:9] * (1 - metallic) + base * metallic
+    shorter = np.clip(material[:, 12], 0.05, 1.0)
+    alpha = np.sqrt(np.clip(roughness, 0.03, 1) ** 4 + np.minimum((1 - shorter) / shorter, 0.5))
+    alpha = np.minimum(alpha, 1.0).astype(np.float32)
+    cosine = np.clip((normal * to_eye).sum(axis=1), 0.03, 1.0)
+    light, seen = scene.gather(point, normal, facing)
+    colors = np.array([box.color for box in scene.studio.boxes] + [(1.0, 1.0, 1.0)], np.float32)
+    open_room = (light * np.array([1.0] * len(scene.studio.boxes) + [0.0], np.float32)) @ colors
+    open_room *= np.sqrt(occlusion)
+    diffuse = open_room + light[:, -1:] * colors[-1] * occlusion
+    mirror = 2 * (normal * to_eye).sum(axis=1)[:, None] * normal - to_eye
+    above = np.clip(1 + 4 * (mirror * facing).sum(axis=1), 0, 1)
+    blurred = mirrored(scene.studio, scene.lamps, scene.up, mirror.astype(np.float32), 0.06 + 1.15 * alpha)
+    shine = np.zeros_like(diffuse)
+    for number, radiance in enumerate(blurred):
+        cover = seen[:, number] if number < len(scene.studio.boxes) else seen[:, number] * occlusion[:, 0]
+        shine += (radiance * cover * above)[:, None] * colors[number]
+    scale, offset = _environment(cosine, alpha)
+    specular = (f0 * scale[:, None] + offset[:, None]) * shine * np.minimum(1, occlusion + 0.3)
+    rest = 1 - np.clip(f0 + (1 - f0) * (1 - cosine[:, None]) ** 5 * (1 - 0.8 * alpha[:, None]), 0, 1)
+    return (base * (1 - metallic) * diffuse * rest + specular) * np.float32(scene.studio.exposure)
+
+
+def _environment(cosine: NDArray[np.float32], alpha: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Share of an even surrounding that GGX mirrors: factor of F0, and what grazing adds (Karis' fit)."""
+    roughness = np.sqrt(alpha)
+    r0, r1, r2, r3 = 1 - roughness, -0.0275 * roughness + 0.0425, -0.572 * roughness + 1.04, 0.022 * roughness - 0.04
+    a = np.minimum(r0 * r0, np.exp2(-9.28 * cosine)) * r0 + r1
+    return (-1.04 * a + r2).astype(np.float32), np.maximum(1.04 * a + r3, 0).astype(np.float32)

@@ -1,0 +1,226 @@
+"""Lamps: soft boxes with straight edges, and a dim room around them, placed relative to the camera.
+
+A box lights the diffuse part through a handful of far lamps spread over it, each with a shadow; its mirror
+image is the box blurred by the roughness, a product of error functions.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import RecipeError
+
+
+@dataclass(frozen=True)
+class SoftBox:
+    """A bright rectangle, far away.
+
+    Attributes
+    ----------
+    towards : (3,) tuple
+        Direction: right, up, and to the camera.
+    half : (2,) tuple
+        Half width and half height, as tangents of angles.
+    strength : float
+        Irradiance over pi on a plane that faces it: a white one is as bright.
+    color : (3,) tuple
+        Linear, mean about 1.
+    lamps : int
+        Lamps along each side that stand for it.
+    """
+
+    towards: tuple[float, float, float]
+    half: tuple[float, float]
+    strength: float
+    color: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    lamps: int = 3
+
+
+@dataclass(frozen=True)
+class Studio:
+    """Boxes, and the room: brightness above and below, as radiance.
+
+    Attributes
+    ----------
+    boxes : tuple of SoftBox
+        The lamps.
+    above : float
+        Radiance of the ceiling.
+    below : float
+        Radiance of the floor.
+    exposure : float
+        Factor on everything.
+    """
+
+    boxes: tuple[SoftBox, ...]
+    above: float
+    below: float
+    exposure: float = 1.0
+
+
+STUDIOS = {
+    "studio": Studio(
+        (
+            SoftBox((-0.75, 0.85, 0.6), (0.42, 0.42), 0.80, (1.0, 0.97, 0.93), 5),
+            SoftBox((1.0, 0.25, 0.45), (0.35, 0.8), 0.24, (0.94, 0.97, 1.0), 3),
+            SoftBox((0.45, 0.55, -0.9), (0.25, 0.7), 0.42, (1.0, 1.0, 1.0), 3),
+        ),
+        above=0.30,
+        below=0.14,
+    ),
+    "raking": Studio(
+        (
+            SoftBox((-1.0, 0.34, 0.20), (0.12, 0.18), 1.25, (1.0, 0.98, 0.95), 4),
+            SoftBox((0.7, 0.5, 0.8), (0.6, 0.6), 0.06, (0.95, 0.97, 1.0), 2),
+        ),
+        above=0.07,
+        below=0.04,
+    ),
+}
+"""Lights by name: ``studio`` flatters, ``raking`` grazes the side that the camera sees and shows its relief."""
+
+
+def studio_named(light: "str | Studio") -> Studio:
+    """Look up a light.
+
+    Parameters
+    ----------
+    light : str or Studio
+        Name in `STUDIOS`, or lamps of one's own.
+
+    Returns
+    -------
+    studio : Studio
+        The lamps.
+
+    Raises
+    ------
+    RecipeError
+        If there is no light of that name.
+    """
+    if isinstance(light, Studio):
+        return light
+    if light not in STUDIOS:
+        raise RecipeError(f"no light {light!r}; known are {', '.join(STUDIOS)}")
+    return STUDIOS[light]
+
+
+@dataclass(frozen=True, eq=False)
+class Lamps:
+    """Far lamps that stand for the boxes and for the room.
+
+    Attributes
+    ----------
+    frame : (l, 3, 3) float64
+        Right, up and towards each lamp.
+    share : (l,) float64
+        Irradiance over pi on a plane that faces it.
+    group : (l,) int32
+        Box of each; the room is the last group.
+    box : (b, 3, 3) float64
+        Right, up and towards each box.
+    """
+
+    frame: NDArray[np.float64]
+    share: NDArray[np.float64]
+    group: NDArray[np.int32]
+    box: NDArray[np.float64]
+
+
+def lamps_of(studio: Studio, view: NDArray[np.float64], up: NDArray[np.float64], *, room: int = 72) -> Lamps:
+    """Place the lamps.
+
+    Parameters
+    ----------
+    studio : Studio
+        What to place.
+    view : (3, 3) float
+        Right, up and backward of the camera, as rows.
+    up : (3,) float
+        Where the ceiling is.
+    room : int
+        Lamps for the room.
+
+    Returns
+    -------
+    lamps : Lamps
+        In the space of the scene.
+    """
+    frames, shares, groups, boxes = [], [], [], []
+    for number, box in enumerate(studio.boxes):
+        towards = _unit(np.asarray(box.towards) @ view)
+        frame = _frame(towards, up)
+        boxes.append(frame)
+        steps = (np.arange(box.lamps) + 0.5) / box.lamps * 2 - 1
+        for x in steps * box.half[0]:
+            for y in steps * box.half[1]:
+                frames.append(_frame(_unit(towards + x * frame[0] + y * frame[1]), up))
+                shares.append(box.strength / box.lamps**2)
+                groups.append(number)
+    turn = np.arange(room) * np.pi * (3 - 5**0.5)
+    height = 1 - 2 * (np.arange(room) + 0.5) / room
+    flat = np.sqrt(1 - height**2)
+    side = _frame(up, view[2])
+    for x, y, z in zip(flat * np.cos(turn), flat * np.sin(turn), height, strict=True):
+        frames.append(_frame(_unit(x * side[0] + y * side[1] + z * up), view[2]))
+        shares.append(4 / room * (studio.below + (studio.above - studio.below) * (0.5 + 0.5 * z)))
+        groups.append(len(studio.boxes))
+    return Lamps(np.array(frames), np.array(shares), np.array(groups, np.int32), np.array(boxes))
+
+
+def mirrored(
+    studio: Studio, lamps: Lamps, up: NDArray[np.float64], direction: NDArray[np.float32], spread: NDArray[np.float32]
+) -> list[NDArray[np.float32]]:
+    """Brightness of boxes and room in mirror directions, blurred.
+
+    Parameters
+    ----------
+    studio : Studio
+        Brightness and size.
+    lamps : Lamps
+        Where the boxes are.
+    up : (3,) float
+        Where the ceiling is.
+    direction : (n, 3) float32
+        Unit vectors.
+    spread : (n,) float32
+        Standard deviation of the lobe, as a tangent.
+
+    Returns
+    -------
+    radiance : list of (n,) float32
+        For each box, then for the room.
+    """
+    from scipy.special import erf
+
+    result = []
+    for box, frame in zip(studio.boxes, lamps.box.astype(np.float32), strict=True):
+        ahead = direction @ frame[2]
+        safe = np.maximum(ahead, 0.05)
+        x, y = direction @ frame[0] / safe, direction @ frame[1] / safe
+        total = np.zeros(len(direction), np.float32)
+        for share, wide in ((0.78, 1.0), (0.22, 2.8)):
+            narrow = 1 / (np.sqrt(2, dtype=np.float32) * np.float32(wide) * spread)
+            across = erf((x + box.half[0]) * narrow) - erf((x - box.half[0]) * narrow)
+            along = erf((y + box.half[1]) * narrow) - erf((y - box.half[1]) * narrow)
+            total += np.float32(0.25 * share) * across * along
+        radiance = box.strength * np.pi / (4 * box.half[0] * box.half[1])
+        result.append(np.where(ahead > 0.05, total * np.float32(radiance), 0).astype(np.float32))
+    height = direction @ up.astype(np.float32)
+    edge = 0.5 + 0.5 * np.tanh(height / (0.15 + spread))
+    result.append((studio.below + (studio.above - studio.below) * edge).astype(np.float32))
+    return result
+
+
+def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    return vector / np.linalg.norm(vector)
+
+
+def _frame(towards: NDArray[np.float64], up: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Right, up and towards a lamp."""
+    right = np.cross(up, towards)
+    if np.linalg.norm(right) < 1e-6:
+        right = np.cross(np.array([0.31, 0.77, 0.55]), towards)
+    right = _unit(right)
+    return np.stack([right, np.cross(towards, right), towards])
