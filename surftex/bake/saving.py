@@ -1,0 +1,64 @@
+"""Saving a bake: maps, GLB, features, report, the displaced mesh where wanted; all of them or nothing."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from surftex.bake.stages import Progress
+from surftex.files.output import check_output, whole_output
+
+if TYPE_CHECKING:
+    from surftex.maps.mapset import MapSet
+
+
+def save(
+    maps: "MapSet",
+    folder: str | Path,
+    *,
+    displaced: bool = False,
+    overwrite: bool = False,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> list[Path]:
+    """Write everything that a bake gave.
+
+    Parameters
+    ----------
+    maps : MapSet
+        From `surftex.bake`.
+    folder : path
+        Made when it is missing; files of other names in it stay.
+    displaced : bool
+        Whether to write the displaced mesh as well.
+    overwrite : bool
+        Whether files of the same names may be replaced.
+    threads : int, optional
+        None means every core; cannot change a byte.
+    progress : callable, optional
+        ``progress(stage, share)``; may raise to cancel.
+
+    Returns
+    -------
+    paths : list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        If the folder is a file or a link, or holds one of the files.
+    WorkError
+        If the disk does not take them.
+    """
+    told = progress or (lambda stage, share: None)
+    check_output(folder, maps.file_names, overwrite=overwrite)
+    with whole_output(folder, overwrite=overwrite) as workplace:
+        if displaced:
+            from surftex.maps.displace import write_displaced
+
+            told("displace", 0.0)
+            write_displaced(maps, workplace, threads=threads)
+            told("displace", 1.0)
+        told("save", 0.0)
+        maps.write(workplace, threads=threads)
+        names = sorted(path.name for path in workplace.iterdir())
+    told("save", 1.0)
+    return [Path(folder) / name for name in names]

@@ -1,0 +1,148 @@
+"""``surftex bake``: one mesh, one recipe, one folder."""
+
+import json
+import time
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from surftex.cli.say import note, out
+from surftex.cli.watch import Watch
+from surftex.errors import RecipeError
+
+if TYPE_CHECKING:
+    from surftex.recipe.model import Recipe
+
+
+def run(options: Namespace) -> None:
+    """Bake, save, and say what was made.
+
+    Parameters
+    ----------
+    options : Namespace
+        From the command line.
+
+    Raises
+    ------
+    SurftexError
+        With everything a user can mend, in one line.
+    """
+    started = time.perf_counter()
+    if options.udim:
+        raise RecipeError(
+            "--udim: pages of several tiles cannot be baked yet; bake one at a higher --resolution"
+        )
+    recipe = make_recipe(options)
+    folder = Path(options.out) if options.out else Path(f"{_stem(recipe)}-{_material_name(options, recipe)}")
+    _check(folder, recipe, overwrite=options.overwrite)
+    _announce(options)
+
+    from surftex.bake.bake import bake
+    from surftex.bake.saving import save
+    from surftex.kernels import store
+
+    threads = options.threads
+    with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
+        maps = bake(recipe, features=options.features, threads=threads, tile=options.tile, progress=watch)
+        paths = save(
+            maps,
+            folder,
+            displaced=recipe.bake.displaced,
+            overwrite=options.overwrite,
+            threads=threads,
+            progress=watch,
+        )
+    store.mark_warm()
+    report = json.loads((folder / "report.json").read_text("utf-8"))
+    if not options.quiet:
+        for warning in report["warnings"]:
+            note(f"warning: {warning}")
+    if options.json:
+        out(json.dumps(report, indent=1, ensure_ascii=False))
+    elif not options.quiet:
+        counts = ", ".join(f"{count:,} {kind}" for kind, count in report["features"].items())
+        side, texels = report["resolution"], report["texels"]
+        out(f"{folder}: {len(paths)} files; {side} x {side}, {texels:,} texels; {counts or 'no features'}; "
+            f"{time.perf_counter() - started:.1f} s")  # fmt: skip
+
+
+def make_recipe(options: Namespace) -> "Recipe":
+    """Put a recipe together from the command line.
+
+    Parameters
+    ----------
+    options : Namespace
+        Of ``bake``.
+
+    Returns
+    -------
+    recipe : Recipe
+        With its mesh, its material and every setting.
+
+    Raises
+    ------
+    RecipeError
+        If anything is missing, doubled or wrong.
+    """
+    from surftex.recipe.mistakes import checked_recipe
+    from surftex.recipe.model import MeshSettings, Recipe
+    from surftex.recipe.read import load_recipe, recipe_for
+
+    own = options.subject.lower().endswith(".toml")
+    if own and options.material is not None:
+        raise RecipeError(
+            f"{options.subject} names its own materials; leave --material out, or name a mesh first"
+        )
+    if not own and options.material is None:
+        raise RecipeError("a mesh needs a material: add --material NAME; surftex presets lists them")
+    read: Any = {"allow_outside": options.allow_outside, "changes": options.changes}
+    recipe = load_recipe(options.subject, **read) if own else recipe_for(str(options.material), **read)
+    if own and recipe.mesh.path is None:
+        raise RecipeError(f"{options.subject}: names no mesh; add path under [mesh], or write "
+                          f"surftex bake MESH --material {options.subject}")  # fmt: skip
+    recipe = Recipe.of(
+        recipe,
+        resolution=options.resolution,
+        seed=options.seed,
+        maps=options.maps,
+        uv=options.uv,
+        unwrapper=options.unwrapper,
+        max_features=options.max_features,
+        displaced=options.displaced or None,
+    )
+    mesh = recipe.mesh
+    if not own:
+        mesh = MeshSettings() if mesh.path is not None else mesh
+        mesh = mesh.model_copy(update={"path": options.subject})
+    given = {
+        key: getattr(options, key) for key in ("units", "size", "part") if getattr(options, key) is not None
+    }
+    values: dict[str, Any] = dict(recipe)
+    values["fields"] = values.pop("fields_")
+    values["mesh"] = {**mesh.model_dump(), **given}
+    return checked_recipe(values)
+
+
+def _stem(recipe: "Recipe") -> str:
+    return Path(recipe.mesh.path or "mesh").stem
+
+
+def _material_name(options: Namespace, recipe: "Recipe") -> str:
+    named = options.material or options.subject
+    if named.lower().endswith(".toml"):
+        return Path(named).stem
+    return recipe.layer[0].preset or recipe.layer[0].kind
+
+
+def _check(folder: Path, recipe: "Recipe", *, overwrite: bool) -> None:
+    """Refuse before any work what could not be written in the end."""
+    from surftex.files.output import check_output
+
+    check_output(folder, [f"{_stem(recipe)}.glb", "features.npz", "report.json"], overwrite=overwrite)
+
+
+def _announce(options: Namespace) -> None:
+    from surftex.kernels import store
+
+    if not store.is_warm() and not options.quiet:
+        note("compiling kernels, once; this takes about half a minute")

@@ -1,0 +1,72 @@
+"""``surftex inspect``: what a mesh is, what is wrong with it, what a bake would cost."""
+
+import json
+from argparse import Namespace
+from typing import Any
+
+from surftex.cli.say import one_line, out
+
+
+def run(options: Namespace) -> None:
+    """Load a mesh and describe it.
+
+    Parameters
+    ----------
+    options : Namespace
+        From the command line.
+
+    Raises
+    ------
+    SurftexError
+        If there is no surface in the file.
+    """
+    from surftex.bake.cost import bake_cost
+    from surftex.files.meshes import load
+    from surftex.surface.inspect import describe
+
+    surface = load(options.subject, units=options.units, size=options.size, part=options.part)
+    facts = describe(surface).as_dict()
+    cost = bake_cost(surface)
+    if options.json:
+        out(json.dumps({**facts, "cost": cost}, indent=1, ensure_ascii=False))
+        return
+    out("\n".join(one_line(row) for row in _rows(facts, cost)))
+
+
+def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
+    size = " x ".join(f"{side:.4g}" for side in facts["size_mm"])
+    volume = "" if facts["volume_mm3"] is None else f"; volume: {facts['volume_mm3']:,.6g} mm^3"
+    edges = ", ".join(f"{name} {length:.3g}" for name, length in facts["edge_length_mm"].items())
+    borders = f"{facts['border_loops']} ({facts['border_length_mm']:.4g} mm)"
+    rows = [
+        f"{facts['name']}: {facts['faces']:,} faces, {facts['vertices']:,} vertices, {size} mm",
+        f"unit of the file: {facts['mm_per_unit']:.6g} mm",
+        f"area: {facts['area_mm2']:,.6g} mm^2{volume}",
+        f"components: {facts['components']} ({facts['closed_components']} closed); borders: {borders}; "
+        f"genus: {facts['genus']}",
+        f"edges: {edges} mm",
+        f"smallest angle: {facts['smallest_angle_degrees']:.3g} degrees; slivers: {facts['slivers']:,}",
+        f"own UVs: {_own_uv(facts['own_uv'])}",
+        f"own normals: {'yes' if facts['own_normals'] else 'no'}",
+    ]
+    rows += [
+        f"part {part['name']!r}: {part['faces']:,} faces, {part['area_mm2']:,.5g} mm^2"
+        for part in facts["parts"]
+    ]
+    rows.append(f"a bake of {cost['material']}: about {cost['cells']:,} cells, on {cost['threads']} threads")
+    rows += [_page(page) for page in cost["pages"]]
+    if cost["cells"] > cost["max_features"]:
+        rows.append(f"  that is more than --max-features {cost['max_features']:,}: is the unit right?")
+    rows += [f"warning: {warning}" for warning in facts["warnings"]]
+    return rows
+
+
+def _page(page: dict[str, Any]) -> str:
+    side = f"{page['resolution']:>5} x {page['resolution']:<5}"
+    density = f"{page['texels_per_mm']:8.3g} texels/mm {page['texels_per_cell']:8.3g} across a cell"
+    return f"  {side} {density}   about {page['seconds']:.0f} s, {page['memory_mb']:,.0f} MB"
+
+
+def _own_uv(facts: dict[str, Any]) -> str:
+    rest = (f"{key.replace('_', ' ')} {value}" for key, value in facts.items() if key != "state")
+    return "; ".join([str(facts["state"]), *rest])

@@ -1,0 +1,75 @@
+"""Progress on stderr: a bar on a terminal, a line per stage with -v, nothing with -q."""
+
+import sys
+import time
+from typing import Any
+
+from surftex.cli.say import note
+
+TITLES = {
+    "load": "reading the mesh",
+    "own uv": "checking the mesh's own UVs",
+    "unwrap": "unwrapping",
+    "place": "placing features",
+    "bake": "baking",
+    "equalise": "evening out seams",
+    "seams": "measuring seams",
+    "displace": "displacing the mesh",
+    "save": "writing files",
+}
+"""What each stage is called on the screen."""
+
+
+class Watch:
+    """Shows how far a bake is; called with a stage and its share.
+
+    Parameters
+    ----------
+    quiet : bool
+        Show nothing.
+    verbose : bool
+        Print a line per stage.
+    """
+
+    def __init__(self, *, quiet: bool = False, verbose: bool = False) -> None:
+        self.verbose = verbose and not quiet
+        self.bar: Any = None
+        self.tasks: dict[str, Any] = {}
+        self.started: dict[str, float] = {}
+        terminal = sys.stderr is not None and sys.stderr.isatty()
+        if terminal and not quiet and not verbose:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+            columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn()
+            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
+
+    def __enter__(self) -> "Watch":
+        if self.bar is not None:
+            self.bar.start()
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+
+    def __call__(self, stage: str, share: float) -> None:
+        """Show the share of a stage.
+
+        Parameters
+        ----------
+        stage : str
+            One of `TITLES`, or any other name.
+        share : float
+            0 to 1.
+        """
+        if self.bar is not None:
+            if stage not in self.tasks:
+                self.tasks[stage] = self.bar.add_task(TITLES.get(stage, stage), total=1.0)
+            self.bar.update(self.tasks[stage], completed=share)
+        elif self.verbose:
+            if stage not in self.started:
+                self.started[stage] = time.perf_counter()
+            elif share == 1.0 and self.started[stage] >= 0:
+                note(f"{TITLES.get(stage, stage)}: {time.perf_counter() - self.started[stage]:.2f} s")
+                self.started[stage] = -1.0
