@@ -81,3 +81,33 @@ def normals(surface, atlas, texels, height, tangents):
         code = np.linalg.solve(basis, normal)
         result[i] = code / np.linalg.norm(code)
     return result
+
+
+def open_sky(surface, atlas, texels, height, step, radius_mm):
+    """Openness of each texel: eight marches over the page, each step measured in millimetres."""
+    image = np.full((texels.height, texels.width), np.nan)
+    image.ravel()[texels.texel] = height
+    jacobian = atlas.jacobian_mm(surface, texels.width)
+
+    def value(row, column):
+        inside = 0 <= row < texels.height and 0 <= column < texels.width
+        return image[row, column] if inside else np.nan
+
+    result = np.ones(len(texels))
+    for i, place in enumerate(texels.texel):
+        row, column = divmod(int(place), texels.width)
+        here, shut, weights = image[row, column], [], []
+        for right, up in ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)):
+            length = np.linalg.norm(jacobian[texels.host[i]] @ [right, up])
+            ahead, behind = value(row - up, column + right), value(row + up, column - right)
+            slope = np.nanmean([ahead - here, here - behind]) / length if np.isfinite(ahead) else 0.0
+            tangents = [0.0]
+            for k in step:
+                there = value(row - k * up, column + k * right)
+                if not np.isfinite(there) or length * k >= radius_mm:
+                    break
+                tangents.append(((there - here) / (length * k) - slope) * (1 - (length * k / radius_mm) ** 4))
+            shut.append(np.sin(np.arctan(max(tangents))) ** 2)
+            weights.append((right**2 + up**2) / length**2)
+        result[i] = 1 - np.average(shut, weights=weights)
+    return result
