@@ -10,8 +10,6 @@ import json
 import urllib.parse
 from pathlib import Path
 
-import numpy as np
-
 from surftex.errors import MeshFileError
 from surftex.files.gltfaccessor import Document
 from surftex.files.gltfscene import unfolded
@@ -77,8 +75,7 @@ def read_gltf(data: bytes, where: str, folder: Path) -> Polygons:
             )
     draft = Document(document, [], where)
     draft.buffers = [_buffer(draft, index, chunk, folder) for index in range(len(draft.listed("buffers")))]
-    with np.errstate(over="ignore", invalid="ignore"):
-        return unfolded(draft)
+    return unfolded(draft)
 
 
 def _parted(data: bytes, where: str) -> tuple[bytes, bytes | None]:

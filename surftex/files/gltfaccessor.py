@@ -205,7 +205,7 @@ class Document:
     def _packed(
         self, owner: dict[str, Any], dtype: np.dtype[Any], width: int, count: int, what: str
     ) -> NDArray[Any]:
-        data, stride = self.view(owner["bufferView"])
+        data, stride = self.view(owner.get("bufferView"))
         size = dtype.itemsize * width
         offset, stride = self.whole(owner, "byteOffset", 0, what), stride or size
         if stride < size:

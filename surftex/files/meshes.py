@@ -8,6 +8,8 @@ import hashlib
 import os
 from pathlib import Path
 
+import numpy as np
+
 from surftex.errors import MeshFileError, SurfaceError
 from surftex.files.building import surface_of
 from surftex.files.gltf import read_gltf
@@ -68,7 +70,8 @@ def load(
     if not data:
         raise MeshFileError(f"{shown}: is empty")
     try:
-        polygons = read_polygons(data, suffix, shown, Path(path).parent)
+        with np.errstate(over="ignore", invalid="ignore"):
+            polygons = read_polygons(data, suffix, shown, Path(path).parent)
         name = "".join(c if c.isprintable() else "_" for c in Path(path).stem)
         digest = hashlib.sha256(data).hexdigest()
         del data

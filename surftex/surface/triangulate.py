@@ -46,7 +46,16 @@ def triangulate(
     if len(quads):
         cut = _quads(vertices[corner[start[quads, None] + np.arange(4)]])
         triangles[first[quads, None] + np.arange(2)] = start[quads, None, None] + cut
-    for polygon in np.flatnonzero(sizes > 4).tolist():
+    many = np.flatnonzero(sizes > 4)
+    fans = np.zeros(len(sizes), bool)
+    for size in np.unique(sizes[many]).tolist():
+        alike = many[sizes[many] == size]
+        fan = _sees_all(vertices, corner, start[alike], size)
+        fans[alike[fan]] = True
+        steps = np.arange(size - 2)
+        table = np.column_stack([0 * steps, steps + 1, steps + 2])
+        triangles[first[alike[fan], None] + steps] = start[alike[fan], None, None] + table
+    for polygon in many[~fans[many]].tolist():
         places = vertices[corner[start[polygon] : start[polygon + 1]]]
         triangles[first[polygon] : first[polygon + 1]] = start[polygon] + _many(places, polygon)
     return triangles, np.repeat(np.arange(len(sizes)), sizes - 2)
@@ -71,6 +80,26 @@ def _quads(places: NDArray[np.float64]) -> NDArray[np.int64]:
     return cuts[other.astype(int)]
 
 
+def _sees_all(
+    vertices: NDArray[np.float64], corner: NDArray[np.int64], start: NDArray[np.int64], size: int
+) -> NDArray[np.bool_]:
+    """Whether the first corner of each polygon sees all of it, so that a fan covers it."""
+    result = np.zeros(len(start), bool)
+    batch = max(1, 1_000_000 // size)
+    for low in range(0, len(start), batch):
+        begin = start[low : low + batch]
+        places = vertices[corner[begin[:, None] + np.arange(size)]]
+        spokes = places[:, 1:] - places[:, :1]
+        cross = np.cross(spokes[:, :-1], spokes[:, 1:])
+        normal = cross.sum(axis=1, keepdims=True)
+        along = (cross * normal).sum(axis=2) / np.maximum(
+            np.linalg.norm(normal, axis=2), np.finfo(float).tiny
+        )
+        extent = np.abs(spokes).max(axis=(1, 2))
+        result[low : low + batch] = (along > 1e-12 * extent[:, None] ** 2).all(axis=1)
+    return result
+
+
 def _many(places: NDArray[np.float64], polygon: int) -> NDArray[np.int64]:
     """(k-2, 3) corners of one polygon with k of them."""
     count = len(places)
@@ -84,9 +113,6 @@ def _many(places: NDArray[np.float64], polygon: int) -> NDArray[np.int64]:
     x_axis = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
     x_axis /= np.linalg.norm(x_axis)
     flat = np.column_stack([centred @ x_axis, centred @ np.cross(normal / length, x_axis)]) / extent
-    spokes = flat[1:] - flat[0]
-    if (_cross(spokes[:-1], spokes[1:]) > 1e-12).all():
-        return fan
     if count > MOST_CONCAVE_CORNERS:
         raise SurfaceError(
             f"polygon {polygon} is concave and has {count} corners, more than the {MOST_CONCAVE_CORNERS} "

@@ -1,3 +1,4 @@
+# ruff: noqa: E501 (a line for each case reads as a table)
 """Malformed and nasty mesh files, made on the spot: each with what a reader should make of it."""
 
 import base64
@@ -161,7 +162,7 @@ def cases() -> list[Case]:
     three = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
     half = len(f) // 3
     ring, strip = _moebius()
-    whole = dict(faces=168, components=1, loops=0, check=_outward)
+    whole = {"faces": 168, "components": 1, "loops": 0, "check": _outward}
     ascii_ply = HEADER.format("ascii", 3) + FACES.format(1, "int") + "0 0 0\n1 0 0\n0 1 0\n"
     return [
         Case("empty.obj", b"", "is empty"),
@@ -252,7 +253,7 @@ def cases() -> list[Case]:
         Case("winding.obj", obj(v, [*f[:half, ::-1], *f[half:]]), "56 faces were wound against", **whole),
         Case("inside out.obj", obj(v, f[:, ::-1]), "inside out", **whole),
         Case("unused.obj", obj(np.concatenate([[[1e9, 0, 0]], v]), f + 1), "1 vertices that no face uses", **whole),
-        Case("shells.obj", obj(np.concatenate([v + [3 * k, 0, 0] for k in range(40)]), np.concatenate([f + 86 * k for k in range(40)])), "", 6720, 40, 0),
+        Case("shells.obj", obj(np.concatenate([v + np.array([3 * k, 0, 0]) for k in range(40)]), np.concatenate([f + 86 * k for k in range(40)])), "", 6720, 40, 0),
         Case("huge.obj", obj(v * 1e8, f), check=lambda s: np.isclose(s.area_mm2, 150**2 * 12, rtol=0.1), faces=168),
         Case("tiny.obj", obj(v * 1e-8, f), check=lambda s: np.isclose(s.area_mm2, 150**2 * 12, rtol=0.1), faces=168),
         Case("far.obj", obj(v + 1e7, f), check=lambda s: np.isclose(s.area_mm2, 150**2 * 12, rtol=0.1), faces=168),
@@ -266,7 +267,7 @@ def cases() -> list[Case]:
         Case("uv nan.obj", obj(flat, quads, uv=np.where(np.arange(49)[:, None] == 3, np.nan, flat[:, :2])), "have no usable UVs", 72, check=lambda s: s.corner_uv is None),
         Case("uv in part.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\nf 2 4 3\n", "1 of 2 faces have no usable UVs", 2, check=lambda s: s.corner_uv is None),
         Case("moebius.obj", obj(ring, strip), "one side only", len(strip), 1, 1),
-        Case("crossing.obj", obj(np.concatenate([v, v + [0.7, 0, 0]]), np.concatenate([f, f + 86])), "", 336, 2, 0),
+        Case("crossing.obj", obj(np.concatenate([v, v + np.array([0.7, 0, 0])]), np.concatenate([f, f + 86])), "", 336, 2, 0),
         Case("needle.obj", b"v 0 0 0\nv 1 0 0\nv 0.5 1e-07 0\nv 0.5 1 0\nv 0.5 -1 0\nf 1 3 4\nf 3 2 4\nf 1 2 3\nf 2 1 5\n", "", 4, 1, 1),
         Case("t-junction.stl", stl(np.array([[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, 0, 0], [0.2, -1, 0], [0.8, -1, 0]]), np.array([[0, 1, 2], [3, 0, 4], [3, 5, 1]])), "where sheets touch only at a point", 3, 3),
         Case("near duplicates.stl", stl(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1 + 4e-7, 0, 0], [1, 1, 0], [-3e-7, 1, 0]]), np.array([[0, 1, 2], [3, 4, 5]])), "", 2, 1, 1),

@@ -20,9 +20,14 @@ def saved(folder, name, data):
 def test_every_format_gives_the_same_surface(tmp_path):
     v, f = ball()
     data = {
-        "a.obj": obj(v, f), "b.stl": stl(v, f), "c.stl": stl_text(v, f), "a.ply": ply(v, f), "a.off": off(v, f),
-        "a.glb": glb(v, f), "a.gltf": gltf(v, f),
-    }  # fmt: skip
+        "a.obj": obj(v, f),
+        "b.stl": stl(v, f),
+        "c.stl": stl_text(v, f),
+        "a.ply": ply(v, f),
+        "a.off": off(v, f),
+        "a.glb": glb(v, f),
+        "a.gltf": gltf(v, f),
+    }
     areas = []
     for name, content in data.items():
         surface = load(saved(tmp_path, name, content), size="2 m")
@@ -73,7 +78,7 @@ def test_wrong_units_and_sizes_are_refused(tmp_path, wrong):
 
 def test_obj_corners_carry_their_own_uv_and_normals(tmp_path):
     text = (
-        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .1 .2\nvt .3 .2\nvt .3 .4\nvt .5 .5 0\nvn 0 0 2\nvn 0 0.6 0.8\n"
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .1 .2\nvt .3 .2\nvt .3 .4\nvt .5 .5 0\nvn 0 0 2\nvn 0 0.6 0.8\n"  # noqa: E501
         "f 1/1/1 2/2/1 3/3/1\nf 1/4/2 3/3/-1 4/-4/2\n"
     )
     surface = load(saved(tmp_path, "a.obj", text.encode()), units="m")
@@ -115,7 +120,7 @@ def test_obj_parts_by_material_group_and_object(tmp_path):
 def test_the_size_is_that_of_the_whole_file_not_of_the_part(tmp_path):
     v, f = sheet()
     text = (
-        obj(np.concatenate([v, v + [3, 0, 0]]), f)
+        obj(np.concatenate([v, v + np.array([3, 0, 0])]), f)
         + b"usemtl second\n"
         + b"".join(b"f %d %d %d\n" % tuple(t) for t in f + 50)
     )
@@ -125,9 +130,9 @@ def test_the_size_is_that_of_the_whole_file_not_of_the_part(tmp_path):
 
 def test_stl_solids_are_parts(tmp_path):
     v, f = sheet()
-    text = stl_text(v, f).replace(b"solid ball", b"solid left") + stl_text(v + [2, 0, 0], f).replace(
-        b"solid ball", b"solid right"
-    )
+    text = stl_text(v, f).replace(b"solid ball", b"solid left") + stl_text(
+        v + np.array([2, 0, 0]), f
+    ).replace(b"solid ball", b"solid right")
     surface = load(saved(tmp_path, "a.stl", text), units="m", part="Right")
     assert len(surface.faces) == 72
     assert surface.origin_mm[0] == pytest.approx(2500)
@@ -138,7 +143,7 @@ def test_stl_solids_are_parts(tmp_path):
 def test_ply_uvs_and_mixed_polygons(tmp_path, names, form):
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]], float)
     rows = np.column_stack([points, points[:, :2] / 4])
-    head = f"ply\nformat {form} 1.0\ncomment x\nelement vertex 5\nproperty double x\nproperty double y\nproperty double z\n"
+    head = f"ply\nformat {form} 1.0\ncomment x\nelement vertex 5\nproperty double x\nproperty double y\nproperty double z\n"  # noqa: E501
     head += "".join(f"property double {n}\n" for n in names)
     head += "element face 2\nproperty uchar flags\nproperty list uchar int vertex_index\nend_header\n"
     if form == "ascii":
@@ -160,7 +165,7 @@ def test_ply_uvs_and_mixed_polygons(tmp_path, names, form):
 
 def test_ply_uvs_by_face(tmp_path):
     text = (
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"  # noqa: E501
         "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 .1 .2 .3 .2 .1 .5\n"
     )
@@ -229,8 +234,10 @@ def test_gltf_sparse_accessor_moves_vertices(tmp_path):
         {"buffer": 0, "byteOffset": len(binary) + 4, "byteLength": 12},
     ]
     doc["accessors"][0]["sparse"] = {
-        "count": 1, "indices": {"bufferView": 2, "componentType": 5123}, "values": {"bufferView": 3},
-    }  # fmt: skip
+        "count": 1,
+        "indices": {"bufferView": 2, "componentType": 5123},
+        "values": {"bufferView": 3},
+    }
     binary += indices + values
     doc["buffers"][0]["byteLength"] = len(binary)
     surface = load(saved(tmp_path, "a.glb", glb_of(doc, binary)))
@@ -244,14 +251,15 @@ def test_gltf_nodes_are_placed_and_named(tmp_path):
     v, f = sheet()
     half_turn = [0, 0, 1, 0]
     data = glb(
-        v, f,
+        v,
+        f,
         scenes=[{"nodes": [2]}],
         nodes=[
             {"mesh": 0, "name": "near"},
             {"mesh": 0, "name": "far", "translation": [0, 0, 3], "rotation": half_turn, "scale": [2, 2, 2]},
             {"children": [0, 1], "translation": [5, 0, 0]},
         ],
-    )  # fmt: skip
+    )
     path = saved(tmp_path, "a.glb", data)
     surface = load(path)
     assert surface.part_names == ("near", "far")

@@ -1,4 +1,4 @@
-"""What repair promises: a walkable surface, nothing moved, everything counted; the same for any order of the faces."""
+"""What repair promises: a walkable surface, nothing moved, everything counted, for any order of faces."""
 
 import numpy as np
 import pytest
@@ -49,8 +49,10 @@ def test_loose_triangles_with_noise_weld_to_the_same_topology(shape):
     surface = surface_of(vertices + noise * 2e-7 * np.linalg.norm(np.ptp(vertices, axis=0)), faces)
     before, after = describe(shape), describe(surface)
     assert (after.vertices, after.euler_characteristic, after.border_loops) == (
-        before.vertices, before.euler_characteristic, before.border_loops,
-    )  # fmt: skip
+        before.vertices,
+        before.euler_characteristic,
+        before.border_loops,
+    )
 
 
 def test_vertices_beyond_the_tolerance_stay_apart():
@@ -76,7 +78,7 @@ def test_any_windings_in_any_order_face_outward(seed, shape):
 
 def test_each_closed_component_faces_outward_by_its_own_volume():
     one, two = sphere(subdivisions=1), sphere(subdivisions=1)
-    vertices = np.concatenate([one.vertices, two.vertices + [500, 0, 0]])
+    vertices = np.concatenate([one.vertices, two.vertices + np.array([500, 0, 0])])
     faces = np.concatenate([one.faces, two.faces[:, ::-1] + len(one.vertices)])
     surface = surface_of(vertices, faces)
     assert any("1 closed components were inside out" in line for line in surface.warnings)
@@ -104,9 +106,12 @@ def test_uv_normals_and_parts_travel_with_their_corners():
     part = np.arange(len(faces))
     faces = np.concatenate([faces[:7], [[0, 0, 1]], faces[7:]])
     mended = repair(
-        flat.vertices, faces, part=np.insert(part, 7, 99),
-        corner_uv=np.insert(uv, 7, 9.0, axis=0), corner_normal=np.insert(normal, 7, 1.0, axis=0),
-    )  # fmt: skip
+        flat.vertices,
+        faces,
+        part=np.insert(part, 7, 99),
+        corner_uv=np.insert(uv, 7, 9.0, axis=0),
+        corner_normal=np.insert(normal, 7, 1.0, axis=0),
+    )
     assert mended.corner_uv == pytest.approx(mended.vertices[mended.faces][..., :2] / 10)
     assert mended.corner_normal == pytest.approx(normal / 2)
     assert np.array_equal(mended.part, part)
@@ -128,9 +133,25 @@ def test_normals_that_are_missing_or_contradict_are_left_out():
 
 def test_two_boxes_that_share_an_edge_come_apart_or_join_but_stay_closed():
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-    box = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6],
-                    [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])  # fmt: skip
-    surface = surface_of(np.concatenate([corners, corners + [1, 1, 0]]), np.concatenate([box, box + 8]))
+    box = np.array(
+        [
+            [0, 1, 3],
+            [0, 3, 2],
+            [4, 6, 7],
+            [4, 7, 5],
+            [0, 4, 5],
+            [0, 5, 1],
+            [2, 3, 7],
+            [2, 7, 6],
+            [0, 2, 6],
+            [0, 6, 4],
+            [1, 5, 7],
+            [1, 7, 3],
+        ]
+    )
+    surface = surface_of(
+        np.concatenate([corners, corners + np.array([1, 1, 0])]), np.concatenate([box, box + 8])
+    )
     assert len(surface.faces) == 24
     assert surface.border_loops == 0
     assert outward(surface)
@@ -149,8 +170,17 @@ def test_a_fan_of_a_thousand_faces_at_one_edge_is_split_into_sheets():
 def test_a_moebius_strip_is_cut_and_nothing_is_lost():
     columns = 30
     turn = np.arange(columns) * 2 * np.pi / columns
-    rims = [np.stack([(1 + w * np.cos(turn / 2)) * np.cos(turn), (1 + w * np.cos(turn / 2)) * np.sin(turn), w * np.sin(turn / 2)], 1)
-            for w in (-0.3, 0.3)]  # fmt: skip
+    rims = [
+        np.stack(
+            [
+                (1 + w * np.cos(turn / 2)) * np.cos(turn),
+                (1 + w * np.cos(turn / 2)) * np.sin(turn),
+                w * np.sin(turn / 2),
+            ],
+            1,
+        )
+        for w in (-0.3, 0.3)
+    ]
     a = np.arange(columns)
     b, c = a + 1, a + columns + 1
     b[-1], c[-1] = columns, 0
@@ -165,13 +195,22 @@ def test_a_moebius_strip_is_cut_and_nothing_is_lost():
 def test_many_one_sided_strips_take_no_longer_than_one():
     columns = 9
     turn = np.arange(columns) * 2 * np.pi / columns
-    rims = [np.stack([(1 + w * np.cos(turn / 2)) * np.cos(turn), (1 + w * np.cos(turn / 2)) * np.sin(turn), w * np.sin(turn / 2)], 1)
-            for w in (-0.3, 0.3)]  # fmt: skip
+    rims = [
+        np.stack(
+            [
+                (1 + w * np.cos(turn / 2)) * np.cos(turn),
+                (1 + w * np.cos(turn / 2)) * np.sin(turn),
+                w * np.sin(turn / 2),
+            ],
+            1,
+        )
+        for w in (-0.3, 0.3)
+    ]
     a = np.arange(columns)
     b, c = a + 1, a + columns + 1
     b[-1], c[-1] = columns, 0
     strip = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, a + columns], 1)])
-    vertices = np.concatenate([np.concatenate(rims) + [4.0 * k, 0, 0] for k in range(500)])
+    vertices = np.concatenate([np.concatenate(rims) + np.array([4.0 * k, 0, 0]) for k in range(500)])
     faces = np.concatenate([strip + 18 * k for k in range(500)])
     surface = surface_of(vertices, faces)
     assert surface.component.max() == 499
