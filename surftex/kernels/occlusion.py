@@ -4,15 +4,15 @@ from surftex.kernels.jit import kernel
 
 
 @kernel
-def open_sky(first, last, place, height, host, stretch, direction, jump, step, radius, sky):
+def open_sky(first, last, place, height, host, stretch, direction, jump, step, share, radius, sky):
     """Find the share of an even sky's light that reaches each texel, by the horizons in some directions.
 
     place (t,) int64: of each texel in `height` (float32, mm, NaN where there is no surface, with a rim as
     wide as the farthest step); host (t,) int32; stretch (m, 3) float64; direction (d, 2) float64: one texel
-    right and up; step (k,) float64: how many of those, ascending from 1; jump (d, k) int64: what that adds
-    to a place; radius mm: relief farther off does not count -> sky (t,) float32: rows first to last.
-    Horizons are measured from the slope at the texel, so that a tilted plane is open, and each direction
-    counts by its angle on the surface.
+    right and up; step (k,) float64: how many of those, squared, ascending from 1; share (k,): 1 over how
+    many; jump (d, k) int64: what that adds to a place; radius mm: relief farther off does not count -> sky
+    (t,) float32: rows first to last. Horizons are measured from the slope at the texel, so that a tilted
+    plane is open, and each direction counts by its angle on the surface.
     """
     for i in range(first, last):
         here = height[place[i]]
@@ -30,11 +30,11 @@ def open_sky(first, last, place, height, host, stretch, direction, jump, step, r
             horizon = 0.0
             for k in range(len(step)):
                 rise = height[place[i] + jump[d, k]] - here
-                near = fall * step[k] * step[k]
+                near = fall * step[k]
                 fade = 1.0 - near * near
                 if rise != rise or fade <= 0.0:
                     break
-                horizon = max(horizon, (rise - slope * step[k]) * fade / step[k])
+                horizon = max(horizon, (rise * share[k] - slope) * fade)
             weight = (right * right + up * up) / squared
             total += weight
             shut += weight * horizon * horizon / (squared + horizon * horizon)

@@ -2,7 +2,7 @@
 
 A place sees the sky down to the horizon in each of eight directions; its share of the light is 1 less the
 mean of the squared sines of the horizons' heights, which is exact for flat ground (walls are looked for at
-seven distances and may be taken for half as far again). Distances are walked on the surface,
+seven distances and may be taken for up to 1.8 times as far). Distances are walked on the surface,
 on into the gutters of the charts, so the map has no seams. What the mesh itself shades is left to renderers.
 """
 
@@ -21,7 +21,7 @@ RADIUS_MM = 1.0
 """How far off relief still shades a place, if nobody says otherwise."""
 
 _DIRECTIONS = np.array([[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]])
-_STEPS, _FARTHEST = 7, 16
+_STEPS, _FARTHEST = 6, 16
 _SLICE = 1 << 17
 
 
@@ -76,23 +76,13 @@ def ambient_occlusion(
     place = row * width + column
     height.ravel()[place] = np.where(stopped(surface, texels), np.float32(np.nan), values)
     jump = np.outer(_DIRECTIONS @ [1, -width], step)
-    arrays = map(
-        read_only,
-        (
-            place,
-            height.ravel(),
-            texels.host,
-            metric.stretch,
-            _DIRECTIONS.astype(float),
-            jump,
-            step.astype(float),
-        ),
-    )
-    place, height, host, stretch, direction, jump, step = arrays
+    axes, squared, share = _DIRECTIONS.astype(float), step.astype(float) ** 2, 1 / step
+    arrays = (place, height.ravel(), texels.host, metric.stretch, axes, jump, squared, share)
+    place, relief, host, stretch, axes, jump, squared, share = map(read_only, arrays)
     sky = np.ones(len(texels), np.float32)
 
     def work(first: int, last: int) -> None:
-        open_sky(first, last, place, height, host, stretch, direction, jump, step, float(radius_mm), sky)
+        open_sky(first, last, place, relief, host, stretch, axes, jump, squared, share, float(radius_mm), sky)
 
     slices(work, len(texels), size=_SLICE, threads=threads)
     return sky
