@@ -2,7 +2,7 @@
 
 A place sees the sky down to the horizon in each of eight directions; its share of the light is 1 less the
 mean of the squared sines of the horizons' heights, which is exact for flat ground (walls are looked for at
-seven distances and may be taken for up to 1.8 times as far). Distances are walked on the surface,
+six distances and may be taken for up to 1.8 times as far). Distances are walked on the surface,
 on into the gutters of the charts, so the map has no seams. What the mesh itself shades is left to renderers.
 """
 
