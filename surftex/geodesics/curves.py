@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from surftex.arrays import frozen
 from surftex.errors import SurfaceError
 from surftex.geodesics.buckets import Buckets
+from surftex.geodesics.flooding import flood_primitives
 from surftex.geodesics.pieces import CurvePieces, barycentric_of
 from surftex.geodesics.records import CurveRecords, entries_of
 from surftex.geodesics.windows import (
@@ -16,7 +17,6 @@ from surftex.geodesics.windows import (
     buckets_for,
     checked_bound,
     checked_radius,
-    flood_primitives,
     where,
 )
 from surftex.kernels.pool import Tick, slices

@@ -35,8 +35,8 @@ class Records:
         Source of each primitive; here a primitive is a source.
     limit_mm : (p,) float64
         Radius of each primitive's source.
-    row : (r, 9) float64
-        Image, interval, sigma and turn.
+    row : (r, 10) float64
+        Image, interval, sigma, turn and least distance.
     row_id : (r, 3) int32
         Face, primitive, kind.
     start : (b + 1,) int64
@@ -97,7 +97,6 @@ def entries_of(
     buckets: Buckets,
     row: NDArray[np.float64],
     row_id: NDArray[np.int32],
-    row_least: NDArray[np.float64],
     limit: NDArray[np.float64],
     bound: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]:
@@ -107,12 +106,10 @@ def entries_of(
     ----------
     buckets : Buckets
         b buckets.
-    row : (r, 9) float64
+    row : (r, 10) float64
         Read-only.
     row_id : (r, 3) int32
         Read-only.
-    row_least : (r,) float64
-        Least distance of each row; read-only.
     limit : (p,) float64
         Radius of each primitive; read-only.
     bound : (m,) float64
@@ -141,10 +138,10 @@ def entries_of(
     where = (buckets.first, buckets.cells, buckets.grid)
     start = np.zeros(len(buckets) + 1, np.int64)
     none, nothing = np.zeros(0, np.int32), np.zeros(0)
-    distribute(row, row_id, row_least, limit, bound, *where, 0, start, none, nothing)
+    distribute(row, row_id, limit, bound, *where, 0, start, none, nothing)
     start = np.cumsum(start)
     entry_row, entry_least = np.zeros(int(start[-1]), np.int32), np.zeros(int(start[-1]))
     moving = start.copy()
-    distribute(row, row_id, row_least, limit, bound, *where, 1, moving, entry_row, entry_least)
+    distribute(row, row_id, limit, bound, *where, 1, moving, entry_row, entry_least)
     sort_buckets(start, entry_row, entry_least)
     return frozen(start), frozen(entry_row), frozen(entry_least)

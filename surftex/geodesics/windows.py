@@ -18,9 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surftex.arrays import checked, frozen, read_only_view
-from surftex.errors import InputError, WorkError
+from surftex.arrays import frozen, read_only_view
+from surftex.errors import InputError
 from surftex.geodesics.buckets import Buckets
+from surftex.geodesics.flooding import flood_primitives
 from surftex.geodesics.records import Records, entries_of
 from surftex.kernels.pool import Tick, slices
 from surftex.surface.points import SurfacePoints
@@ -29,7 +30,6 @@ from surftex.surface.surface import Surface
 NUDGE = 1e-11
 """Sources move this share of their face inward, so that none lies on an edge or a corner."""
 
-SOURCES_A_SLICE = 256
 POINTS_A_SLICE = 1 << 16
 
 
@@ -88,10 +88,12 @@ def flood_points(
     primitive[:, 2:4] = place
     start = np.arange(count + 1, dtype=np.int64)
     bound = checked_bound(bound_mm, surface)
-    row, row_id, least = flood_primitives(surface, start, points.face, primitive, radius, bound, wanted, threads, tick)
+    row, row_id = flood_primitives(
+        surface, start, points.face, primitive, radius, bound, wanted, threads, tick
+    )
     if buckets is None:
         buckets = buckets_for(surface, radius)
-    entries = entries_of(buckets, row, row_id, least, radius, bound)
+    entries = entries_of(buckets, row, row_id, radius, bound)
     return Records(
         buckets,
         points,
@@ -294,130 +296,3 @@ def _inside(surface: Surface, points: SurfacePoints) -> NDArray[np.float64]:
     weights = np.maximum(points.barycentric, NUDGE)
     weights = weights / weights.sum(axis=1, keepdims=True)
     return np.einsum("pk,pki->pi", weights, surface.flat[points.face])
-
-
-class _Worker:
-    """Buffers that one worker floods in; none of them outlives the call."""
-
-    def __init__(self, surface: Surface) -> None:
-        from surftex.kernels.window_queue import Room
-
-        vertices, corners = len(surface.vertices), 3 * len(surface.faces)
-        self.stamp = 0
-        self.room = Room(
-            near=np.zeros(vertices),
-            near_of=np.full(vertices, -1, np.int32),
-            lit_of=np.full(vertices, -1, np.int32),
-            split_near=np.zeros(corners),
-            split_at=np.zeros(corners),
-            split_of=np.full(corners, -1, np.int32),
-            count=np.zeros(6, np.int64),
-            **_queue(1 << 10),
-            row=np.zeros((1 << 12, 9)),
-            row_id=np.zeros((1 << 12, 3), np.int32),
-            row_least=np.zeros(1 << 12),
-        )
-
-    def longer_queue(self) -> None:
-        """Double the room for windows that wait."""
-        self.room = self.room._replace(**_queue(2 * len(self.room.free)))
-
-    def longer_rows(self) -> None:
-        """Double the room for rows, and keep what is there."""
-        doubled = {
-            name: np.concatenate([getattr(self.room, name), np.zeros_like(getattr(self.room, name))])
-            for name in ("row", "row_id", "row_least")
-        }
-        self.room = self.room._replace(**doubled)
-
-    def pass_stamps(self, count: int) -> None:
-        """Never use a stamp twice."""
-        self.stamp += count
-        if self.stamp >= 2**31 - 2 * count:
-            self.stamp = 0
-            for stamps in (self.room.near_of, self.room.lit_of, self.room.split_of):
-                stamps.fill(-1)
-
-
-def _queue(size: int) -> dict[str, NDArray[Any]]:
-    """Room for windows that wait."""
-    return {
-        "heap_key": np.zeros(size),
-        "heap_slot": np.zeros(size, np.int32),
-        "free": np.zeros(size, np.int32),
-        "window": np.zeros((size, 7)),
-        "window_id": np.zeros((size, 5), np.int32),
-    }
-
-
-def flood_primitives(
-    surface: Surface,
-    start: NDArray[np.int64],
-    face: NDArray[np.int32],
-    primitive: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    bound: NDArray[np.float64],
-    wanted: NDArray[np.bool_] | None,
-    threads: int | None,
-    tick: Tick | None,
-) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
-    """Rows of all sources, in the order of the sources."""
-    from surftex.kernels.window_queue import Mesh
-    from surftex.kernels.windows import flood
-
-    count, faces = len(start) - 1, len(surface.faces)
-    asked = np.ones(faces, bool) if wanted is None else checked(wanted, "wanted", (faces,), np.bool_)
-    start_of_fan, corner_of_fan, angle_in_fan = surface.fans
-    mesh = Mesh(
-        faces=surface.faces,
-        neighbor=surface.neighbor,
-        neighbor_edge=surface.neighbor_edge,
-        edge_length=surface.edge_length,
-        flat=surface.flat,
-        transport=surface.transport,
-        corner_angle=surface.corner_angle,
-        vertex_angle=surface.vertex_angle,
-        on_border=surface.on_border,
-        turning=frozen(surface.vertex_angle > np.where(surface.on_border, np.pi, 2 * np.pi) + 1e-9),
-        fan_start=start_of_fan,
-        fan_corner=corner_of_fan,
-        fan_angle=angle_in_fan,
-        wanted=frozen(asked.astype(np.uint8)),
-        bound=bound,
-    )
-    given = (
-        frozen(start),
-        read_only_view(face, np.int32),
-        frozen(primitive),
-        radius,
-        mesh,
-        10_000_000 + 1_000 * faces,
-    )
-    workers: list[_Worker] = []
-
-    def work(first: int, last: int) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
-        worker = workers.pop() if workers else _Worker(surface)
-        worker.room.count[3] = 0
-        full = -1
-        while full:
-            first, full = flood(first, last, worker.stamp, *given, worker.room)
-            worker.pass_stamps(count)
-            if full == 1:
-                worker.longer_queue()
-            elif full == 2:
-                worker.longer_rows()
-            elif full == 3:
-                raise WorkError(
-                    f"source {first} of {count} sends more than {given[-1]} windows within {radius[first]:g} mm; "
-                    "ask for a smaller radius, or use method='heat'"
-                )
-        room, n = worker.room, int(worker.room.count[3])
-        result = room.row[:n].copy(), room.row_id[:n].copy(), room.row_least[:n].copy()
-        workers.append(worker)
-        return result
-
-    parts = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)
-    if not parts:
-        return frozen(np.zeros((0, 9))), frozen(np.zeros((0, 3), np.int32)), frozen(np.zeros(0))
-    row, row_id, least = (np.concatenate([part[i] for part in parts]) for i in range(3))
-    return frozen(row), frozen(row_id), frozen(least)

@@ -36,15 +36,15 @@ def buckets_of(face, barycentric, flat, first, cells, grid, bucket):
 
 @kernel
 def distribute(
-    row, row_id, row_least, limit, bound, first, cells, grid, fill, entry_start, entry_row, entry_least
+    row, row_id, limit, bound, first, cells, grid, fill, entry_start, entry_row, entry_least
 ):
     """Tell each bucket which rows come nearer to it than `limit` (of the row's primitive) and `bound` (of its face).
 
     With fill == 0 it counts into entry_start[bucket + 1]; with 1 it writes the entries and moves entry_start[bucket] on.
     """
-    for r in range(len(row_least)):
+    for r in range(len(row)):
         face = row_id[r, 0]
-        least = row_least[r]
+        least = row[r, 9]
         if least >= bound[face]:
             continue
         columns = cells[face, 0]

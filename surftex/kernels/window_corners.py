@@ -15,48 +15,85 @@ PAD_RAD = 1e-9
 
 
 @part
-def touch(room, source, vertex):
+def touch(near, near_of, source, vertex):
     """Forget what an earlier source left at a vertex."""
-    if room.near_of[vertex] != source:
-        room.near_of[vertex] = source
-        room.near[vertex] = math.inf
+    if near_of[vertex] != source:
+        near_of[vertex] = source
+        near[vertex] = math.inf
 
 
 @part
-def approach(mesh, room, source, limit, corner, distance, dx, dy, light):
+def approach(
+    ids,
+    shape,
+    turning,
+    near,
+    near_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    source,
+    limit,
+    corner,
+    distance,
+    dx,
+    dy,
+    light,
+):
     """End a straight path of length `distance` at a corner (3 face + i), (dx, dy) pointing back along it."""
     face = corner // 3
     i = corner - 3 * face
-    vertex = np.int64(mesh.faces[face, i])
-    touch(room, source, vertex)
-    if distance > room.near[vertex] * SLACK:
+    vertex = np.int64(ids[face, i, 0])
+    touch(near, near_of, source, vertex)
+    if distance > near[vertex] * SLACK:
         return
-    room.near[vertex] = min(room.near[vertex], distance)
-    if mesh.turning[vertex] and distance < limit:
+    near[vertex] = min(near[vertex], distance)
+    if turning[vertex] != 0 and distance < limit:
         onward = i + 1 if i < 2 else 0
-        ex = mesh.flat[face, onward, 0] - mesh.flat[face, i, 0]
-        ey = mesh.flat[face, onward, 1] - mesh.flat[face, i, 1]
+        ex = shape[face, onward, 0] - shape[face, i, 0]
+        ey = shape[face, onward, 1] - shape[face, i, 1]
         local = math.atan2(ex * dy - ey * dx, ex * dx + ey * dy)
         behind = Light(-light.kind, light.primitive, 0.0, 0.0, distance, light.c, light.s)
-        store(room, distance, vertex, corner, DIRECT, local, 0.0, behind)
+        store(count, heap_key, links, window, window_id, distance, vertex, corner, DIRECT, local, 0.0, behind)
 
 
 @part
-def shine(mesh, room, source, limit, vertex, corner, local, light):
+def shine(
+    ids,
+    shape,
+    turning,
+    fan_start,
+    fan_corner,
+    wanted,
+    bound,
+    near,
+    near_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    row,
+    row_id,
+    source,
+    limit,
+    vertex,
+    corner,
+    local,
+    light,
+):
     """Send a corner into its shadow: the directions more than half a turn from `local`, where the path came in."""
-    arrived = local
-    for k in range(mesh.fan_start[vertex], mesh.fan_start[vertex + 1]):
-        if mesh.fan_corner[k] == corner:
-            arrived += mesh.fan_angle[k]
-            break
-    total = mesh.vertex_angle[vertex]
-    for k in range(mesh.fan_start[vertex], mesh.fan_start[vertex + 1]):
-        face = mesh.fan_corner[k] // 3
-        i = mesh.fan_corner[k] - 3 * face
-        begin = mesh.fan_angle[k]
-        end = begin + mesh.corner_angle[face, i]
+    arrived = local + shape[corner // 3, corner % 3, 8]
+    total = abs(turning[vertex])
+    for k in range(fan_start[vertex], fan_start[vertex + 1]):
+        face = fan_corner[k] // 3
+        i = fan_corner[k] - 3 * face
+        begin = shape[face, i, 8]
+        end = begin + shape[face, i, 7]
         low, high = begin, begin - 1.0
-        if mesh.on_border[vertex]:
+        if turning[vertex] < 0:
             if end > arrived + math.pi - PAD_RAD:
                 low, high = max(begin, arrived + math.pi - PAD_RAD), end
             elif begin < arrived - math.pi + PAD_RAD:
@@ -71,19 +108,37 @@ def shine(mesh, room, source, limit, vertex, corner, local, light):
             continue
         i1 = i + 1 if i < 2 else 0
         i2 = i - 1 if i > 0 else 2
-        px, py = mesh.flat[face, i, 0], mesh.flat[face, i, 1]
+        px, py = shape[face, i, 0], shape[face, i, 1]
         here = Light(light.kind, light.primitive, px, py, light.sigma, light.c, light.s)
-        if mesh.wanted[face]:
-            record(room, face, light.sigma, px, py, px, py, here)
+        if wanted[face]:
+            record(count, row, row_id, face, light.sigma, px, py, px, py, here)
         for side in range(2):
             if (low <= begin) if side == 0 else (high >= end):
                 q = i1 if side == 0 else i2
-                onward = light.sigma + mesh.edge_length[face, i if side == 0 else i2]
-                dx, dy = px - mesh.flat[face, q, 0], py - mesh.flat[face, q, 1]
-                approach(mesh, room, source, limit, 3 * face + q, onward, dx, dy, here)
-        length = mesh.edge_length[face, i1]
-        bx, by = mesh.flat[face, i1, 0] - px, mesh.flat[face, i1, 1] - py
-        ux, uy = (mesh.flat[face, i2, 0] - px - bx) / length, (mesh.flat[face, i2, 1] - py - by) / length
+                onward = light.sigma + shape[face, i if side == 0 else i2, 2]
+                dx, dy = px - shape[face, q, 0], py - shape[face, q, 1]
+                approach(
+                    ids,
+                    shape,
+                    turning,
+                    near,
+                    near_of,
+                    count,
+                    heap_key,
+                    links,
+                    window,
+                    window_id,
+                    source,
+                    limit,
+                    3 * face + q,
+                    onward,
+                    dx,
+                    dy,
+                    here,
+                )
+        length = shape[face, i1, 2]
+        bx, by = shape[face, i1, 0] - px, shape[face, i1, 1] - py
+        ux, uy = (shape[face, i2, 0] - px - bx) / length, (shape[face, i2, 1] - py - by) / length
         t0, t1 = 0.0, length
         for side in range(2):
             if (low > begin) if side == 0 else (high < end):
@@ -95,4 +150,20 @@ def shine(mesh, room, source, limit, vertex, corner, local, light):
                     t0 = t
                 else:
                     t1 = t
-        enter(mesh, room, limit, face, i1, t0, t1, DIRECT, here)
+        enter(
+            ids,
+            shape,
+            bound,
+            count,
+            heap_key,
+            links,
+            window,
+            window_id,
+            limit,
+            face,
+            i1,
+            t0,
+            t1,
+            DIRECT,
+            here,
+        )

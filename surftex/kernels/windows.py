@@ -7,8 +7,8 @@ face, are recorded there, and go on through the two other edges. What a nearer p
 is dropped (the vertex rule and the split rule of exact geodesics). At a corner with more than a full turn, and
 at a reentrant border corner, the shadow behind it is lit from the corner, `sigma` mm farther on.
 
-A ROW of what is found: 0, 1 the image I; 2 to 5 the ends X0, X1 of the visible interval; 6 sigma; 7, 8 (c, s).
-Kinds of rows, and what (c, s) is:
+A ROW of what is found: 0, 1 the image I; 2 to 5 the ends X0, X1 of the visible interval; 6 sigma; 7, 8 (c, s); 9 its
+least distance in the face. Kinds of rows, and what (c, s) is:
 
     0  image of a point; (c, s) turns the face's frame into the source's
     1  a corner behind a point; (c, s) is the unit direction in which the path leaves the source
@@ -50,19 +50,39 @@ def _foot(ax, ay, bx, by, x, y):
 
 
 @part
-def _measure_corners(mesh, room, source, face, primitive, q):
+def _measure_corners(ids, shape, near, near_of, source, face, primitive, q):
     """Walk straight from primitive q to the corners of its face."""
     ax, ay, bx, by = primitive[q, 0], primitive[q, 1], primitive[q, 2], primitive[q, 3]
     for i in range(3):
-        v = np.int64(mesh.faces[face, i])
-        touch(room, source, v)
-        x, y = mesh.flat[face, i, 0], mesh.flat[face, i, 1]
+        v = np.int64(ids[face, i, 0])
+        touch(near, near_of, source, v)
+        x, y = shape[face, i, 0], shape[face, i, 1]
         share = _foot(ax, ay, bx, by, x, y)
-        room.near[v] = min(room.near[v], math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y))
+        near[v] = min(near[v], math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y))
 
 
 @part
-def _leave(mesh, room, source, limit, face, primitive, q):
+def _leave(
+    ids,
+    shape,
+    turning,
+    wanted,
+    bound,
+    near,
+    near_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    row,
+    row_id,
+    source,
+    limit,
+    face,
+    primitive,
+    q,
+):
     """Record primitive q in its own face, and send it through the edges and to the corners."""
     ax, ay, bx, by = primitive[q, 0], primitive[q, 1], primitive[q, 2], primitive[q, 3]
     w0x, w0y, w1x, w1y = primitive[q, 4], primitive[q, 5], primitive[q, 6], primitive[q, 7]
@@ -71,10 +91,12 @@ def _leave(mesh, room, source, limit, face, primitive, q):
     nx, ny = 1.0, 0.0
     if long > 0:
         nx, ny = -(by - ay) / long, (bx - ax) / long
-    if mesh.wanted[face] and not cap:
-        record(room, face, 0.0, ax, ay, bx, by, Light(6 if long > 0 else 0, q, ax, ay, 0.0, nx, ny))
+    if wanted[face] and not cap:
+        record(
+            count, row, row_id, face, 0.0, ax, ay, bx, by, Light(6 if long > 0 else 0, q, ax, ay, 0.0, nx, ny)
+        )
     for i in range(3):
-        px, py = mesh.flat[face, i, 0], mesh.flat[face, i, 1]
+        px, py = shape[face, i, 0], shape[face, i, 1]
         share = _foot(ax, ay, bx, by, px, py)
         dx, dy = ax + share * (bx - ax) - px, ay + share * (by - ay) - py
         distance = math.hypot(dx, dy)
@@ -84,11 +106,27 @@ def _leave(mesh, room, source, limit, face, primitive, q):
         elif distance > 0:
             c, s = -dx / distance, -dy / distance
         approach(
-            mesh, room, source, limit, 3 * face + i, distance, dx, dy, Light(kind, q, 0.0, 0.0, 0.0, c, s)
+            ids,
+            shape,
+            turning,
+            near,
+            near_of,
+            count,
+            heap_key,
+            links,
+            window,
+            window_id,
+            source,
+            limit,
+            3 * face + i,
+            distance,
+            dx,
+            dy,
+            Light(kind, q, 0.0, 0.0, 0.0, c, s),
         )
-        length = mesh.edge_length[face, i]
+        length = shape[face, i, 2]
         onward = i + 1 if i < 2 else 0
-        ex, ey = (mesh.flat[face, onward, 0] - px) / length, (mesh.flat[face, onward, 1] - py) / length
+        ex, ey = (shape[face, onward, 0] - px) / length, (shape[face, onward, 1] - py) / length
         lo, hi = 0.0, length
         if cap:
             lo, hi = _clipped(lo, hi, w0x * (py - ay) - w0y * (px - ax), w0x * ey - w0y * ex)
@@ -104,51 +142,84 @@ def _leave(mesh, room, source, limit, face, primitive, q):
                     lo, hi, sign * ((px - ax) * nx + (py - ay) * ny), sign * (ex * nx + ey * ny)
                 )
             light = Light(2 + right if long > 0 else 0, q, ax, ay, 0.0, sign * nx, sign * ny)
-            enter(mesh, room, limit, face, i, low, high, DIRECT, light)
+            enter(
+                ids,
+                shape,
+                bound,
+                count,
+                heap_key,
+                links,
+                window,
+                window_id,
+                limit,
+                face,
+                i,
+                low,
+                high,
+                DIRECT,
+                light,
+            )
 
 
 @part
-def _cross(mesh, room, source, limit, face, j, branch, b0, b1, least, light):
+def _cross(
+    ids,
+    shape,
+    turning,
+    wanted,
+    bound,
+    near,
+    near_of,
+    split,
+    split_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    row,
+    row_id,
+    source,
+    limit,
+    face,
+    j,
+    branch,
+    b0,
+    b1,
+    least,
+    light,
+):
     """Take a window into its face through edge j: record it, measure the corner opposite, and go on."""
     j1 = j + 1 if j < 2 else 0
     j2 = j - 1 if j > 0 else 2
-    near = room.near
-    length = mesh.edge_length[face, j]
-    ax, ay = mesh.flat[face, j, 0], mesh.flat[face, j, 1]
-    bx, by = mesh.flat[face, j1, 0], mesh.flat[face, j1, 1]
-    cx, cy = mesh.flat[face, j2, 0], mesh.flat[face, j2, 1]
+    length = shape[face, j, 2]
+    ax, ay = shape[face, j, 0], shape[face, j, 1]
+    bx, by = shape[face, j1, 0], shape[face, j1, 1]
+    cx, cy = shape[face, j2, 0], shape[face, j2, 1]
     ex, ey = (bx - ax) / length, (by - ay) / length
     X0x, X0y = ax + ex * b0, ay + ey * b0
     X1x, X1y = ax + ex * b1, ay + ey * b1
-    A, B, C = np.int64(mesh.faces[face, j]), np.int64(mesh.faces[face, j1]), np.int64(mesh.faces[face, j2])
-    touch(room, source, A)
-    touch(room, source, B)
-    touch(room, source, C)
+    A, B, C = np.int64(ids[face, j, 0]), np.int64(ids[face, j1, 0]), np.int64(ids[face, j2, 0])
+    touch(near, near_of, source, A)
+    touch(near, near_of, source, B)
+    touch(near, near_of, source, C)
     d0 = light.sigma + reach(light, X0x, X0y)
     d1 = light.sigma + reach(light, X1x, X1y)
     if (near[A] + b1) * SLACK < d1 or (near[B] + (length - b0)) * SLACK < d0:
         return
     if branch < 2:
-        back = mesh.neighbor[face, j]
-        k0 = mesh.neighbor_edge[face, j]
+        back = ids[face, j, 1]
+        k0 = ids[face, j, 2]
         k1 = k0 + 1 if k0 < 2 else 0
         k2 = k0 - 1 if k0 > 0 else 2
         share = (length - b1 if branch == 0 else length - b0) / length
-        dx = (
-            mesh.flat[back, k0, 0]
-            + (mesh.flat[back, k1, 0] - mesh.flat[back, k0, 0]) * share
-            - mesh.flat[back, k2, 0]
-        )
-        dy = (
-            mesh.flat[back, k0, 1]
-            + (mesh.flat[back, k1, 1] - mesh.flat[back, k0, 1]) * share
-            - mesh.flat[back, k2, 1]
-        )
-        around = near[mesh.faces[back, k2]] + math.sqrt(dx * dx + dy * dy)
+        dx = shape[back, k0, 0] + (shape[back, k1, 0] - shape[back, k0, 0]) * share - shape[back, k2, 0]
+        dy = shape[back, k0, 1] + (shape[back, k1, 1] - shape[back, k0, 1]) * share - shape[back, k2, 1]
+        around = near[ids[back, k2, 0]] + math.sqrt(dx * dx + dy * dy)
         if around * SLACK < (d1 if branch == 0 else d0):
             return
-    if mesh.wanted[face]:
-        record(room, face, least, X0x, X0y, X1x, X1y, light)
+    if wanted[face]:
+        record(count, row, row_id, face, least, X0x, X0y, X1x, X1y, light)
     linear = light.kind == 2 or light.kind == 3
     r0x, r0y, r1x, r1y, rcx, rcy = light.c, light.s, light.c, light.s, light.c, light.s
     if not linear:
@@ -157,7 +228,7 @@ def _cross(mesh, room, source, limit, face, j, branch, b0, b1, least, light):
     beyond_left = r0x * (cy - X0y) - r0y * (cx - X0x) > 0
     beyond_right = r1x * (cy - X1y) - r1y * (cx - X1x) < 0
     first_side, last_side = 0, 2
-    near[C] = min(near[C], near[A] + mesh.edge_length[face, j2], near[B] + mesh.edge_length[face, j1])
+    near[C] = min(near[C], near[A] + shape[face, j2, 2], near[B] + shape[face, j1, 2])
     if beyond_left:
         last_side = 1
         near[C] = min(near[C], d0 + math.sqrt((cx - X0x) * (cx - X0x) + (cy - X0y) * (cy - X0y)))
@@ -171,12 +242,12 @@ def _cross(mesh, room, source, limit, face, j, branch, b0, b1, least, light):
         if across != 0:
             at = (rcx * (cy - ay) - rcy * (cx - ax)) / across
         h = 3 * face + j
-        if room.split_of[h] != source or distance < room.split_near[h]:
-            room.split_of[h] = source
-            room.split_near[h] = distance
-            room.split_at[h] = at
-        elif distance > room.split_near[h] * SLACK:
-            if at < room.split_at[h]:
+        if split_of[h] != source or distance < split[h, 0]:
+            split_of[h] = source
+            split[h, 0] = distance
+            split[h, 1] = at
+        elif distance > split[h, 0] * SLACK:
+            if at < split[h, 1]:
                 first_side = 1
             else:
                 last_side = 1
@@ -189,13 +260,31 @@ def _cross(mesh, room, source, limit, face, j, branch, b0, b1, least, light):
         elif kind == 3:
             kind, c = 5, (cy - light.y) * c - (cx - light.x) * s
         bent = Light(kind, light.primitive, 0.0, 0.0, 0.0, c, s)
-        approach(mesh, room, source, limit, 3 * face + j2, distance, -rcx, -rcy, bent)
+        approach(
+            ids,
+            shape,
+            turning,
+            near,
+            near_of,
+            count,
+            heap_key,
+            links,
+            window,
+            window_id,
+            source,
+            limit,
+            3 * face + j2,
+            distance,
+            -rcx,
+            -rcy,
+            bent,
+        )
     for side in range(first_side, last_side):
         e = j1 if side == 0 else j2
         e1 = e + 1 if e < 2 else 0
-        whole = mesh.edge_length[face, e]
-        px, py = mesh.flat[face, e, 0], mesh.flat[face, e, 1]
-        ux, uy = (mesh.flat[face, e1, 0] - px) / whole, (mesh.flat[face, e1, 1] - py) / whole
+        whole = shape[face, e, 2]
+        px, py = shape[face, e, 0], shape[face, e, 1]
+        ux, uy = (shape[face, e1, 0] - px) / whole, (shape[face, e1, 1] - py) / whole
         t0, t1 = 0.0, whole
         if side == 0 or beyond_right:
             slope = r1x * uy - r1y * ux
@@ -208,44 +297,91 @@ def _cross(mesh, room, source, limit, face, j, branch, b0, b1, least, light):
         Y0x, Y0y, Y1x, Y1y = px + ux * t0, py + uy * t0, px + ux * t1, py + uy * t1
         d0 = light.sigma + reach(light, Y0x, Y0y)
         d1 = light.sigma + reach(light, Y1x, Y1y)
-        if (near[mesh.faces[face, e]] + t1) * SLACK < d1 or (
-            near[mesh.faces[face, e1]] + (whole - t0)
-        ) * SLACK < d0:
+        if (near[ids[face, e, 0]] + t1) * SLACK < d1 or (near[ids[face, e1, 0]] + (whole - t0)) * SLACK < d0:
             continue
         if side == 0:
             if (near[A] + math.sqrt((Y0x - ax) * (Y0x - ax) + (Y0y - ay) * (Y0y - ay))) * SLACK < d0:
                 continue
         elif (near[B] + math.sqrt((Y1x - bx) * (Y1x - bx) + (Y1y - by) * (Y1y - by))) * SLACK < d1:
             continue
-        enter(mesh, room, limit, face, e, t0, t1, side, light)
+        enter(
+            ids, shape, bound, count, heap_key, links, window, window_id, limit, face, e, t0, t1, side, light
+        )
 
 
 @kernel
-def flood(first, last, stamp, primitive_start, primitive_face, primitive, radius, mesh, most, room):
+def flood(
+    first,
+    last,
+    stamp,
+    primitive_start,
+    primitive_face,
+    primitive,
+    radius,
+    most,
+    ids,
+    shape,
+    turning,
+    fan_start,
+    fan_corner,
+    wanted,
+    bound,
+    near,
+    near_of,
+    lit_of,
+    split,
+    split_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    row,
+    row_id,
+):
     """Flood sources [first, last): source k owns primitives primitive_start[k] to primitive_start[k + 1].
 
     primitive (p, 8): start and end in the frame of its face (the same for a point), then the two unit directions,
     counter-clockwise and at most half a turn apart, of a cap's wedge (0 for none). stamp + k must differ from every
-    number in the room's `*_of`. Rows are added to the room's row (r, 9), row_id (r, 3) (face, primitive, kind) and
-    row_least (r,); their number is count[3].
+    number in the `*_of`. The arrays are described in `surftex.kernels.window_queue`.
+    -> row (r, 10), row_id (r, 3) (face, primitive, kind), from count[3] on, which ends as their number.
     Returns the source that did not fit, and what to do about it (1 grow the queue, 2 grow the rows, 3 nothing: it
     sends more than `most` windows); or last and 0.
     """
-    count, window, window_id = room.count, room.window, room.window_id
     for k in range(first, last):
         source = stamp + k
         limit = radius[k]
         rows = count[3]
         count[0], count[1], count[2], count[4], count[5] = 0, 0, 0, 0, 0
         for q in range(primitive_start[k], primitive_start[k + 1]):
-            _measure_corners(mesh, room, source, np.int64(primitive_face[q]), primitive, q)
+            _measure_corners(ids, shape, near, near_of, source, np.int64(primitive_face[q]), primitive, q)
         for q in range(primitive_start[k], primitive_start[k + 1]):
-            _leave(mesh, room, source, limit, np.int64(primitive_face[q]), primitive, q)
+            _leave(
+                ids,
+                shape,
+                turning,
+                wanted,
+                bound,
+                near,
+                near_of,
+                count,
+                heap_key,
+                links,
+                window,
+                window_id,
+                row,
+                row_id,
+                source,
+                limit,
+                np.int64(primitive_face[q]),
+                primitive,
+                q,
+            )
         popped = 0
         while count[0] > 0 and popped <= most and count[4] == 0 and count[5] == 0:
             popped += 1
-            least = room.heap_key[0]
-            w = pop(room)
+            least = heap_key[0]
+            w = pop(count, heap_key, links)
             place, edge, kind = (
                 np.int64(window_id[w, 0]),
                 np.int64(window_id[w, 1]),
@@ -256,11 +392,58 @@ def flood(first, last, stamp, primitive_start, primitive_face, primitive, radius
             light = Light(abs(kind), q, window[w, 2], window[w, 3], sigma, window[w, 5], window[w, 6])
             if kind > -1:
                 _cross(
-                    mesh, room, source, limit, place, edge, branch, window[w, 0], window[w, 1], least, light
+                    ids,
+                    shape,
+                    turning,
+                    wanted,
+                    bound,
+                    near,
+                    near_of,
+                    split,
+                    split_of,
+                    count,
+                    heap_key,
+                    links,
+                    window,
+                    window_id,
+                    row,
+                    row_id,
+                    source,
+                    limit,
+                    place,
+                    edge,
+                    branch,
+                    window[w, 0],
+                    window[w, 1],
+                    least,
+                    light,
                 )
-            elif room.lit_of[place] != source and sigma <= room.near[place] * SLACK:
-                room.lit_of[place] = source
-                shine(mesh, room, source, limit, place, edge, window[w, 0], light)
+            elif lit_of[place] != source and sigma <= near[place] * SLACK:
+                lit_of[place] = source
+                shine(
+                    ids,
+                    shape,
+                    turning,
+                    fan_start,
+                    fan_corner,
+                    wanted,
+                    bound,
+                    near,
+                    near_of,
+                    count,
+                    heap_key,
+                    links,
+                    window,
+                    window_id,
+                    row,
+                    row_id,
+                    source,
+                    limit,
+                    place,
+                    edge,
+                    window[w, 0],
+                    light,
+                )
         if popped > most or count[4] > 0 or count[5] > 0:
             count[3] = rows
             return k, 3 if popped > most else (1 if count[4] > 0 else 2)

@@ -1,0 +1,134 @@
+"""The flood itself: primitives in, rows out, over slices of sources in a few threads."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.arrays import checked, frozen, read_only_view
+from surftex.errors import WorkError
+from surftex.geodesics.packed import packed
+from surftex.kernels.pool import Tick, slices
+from surftex.surface.surface import Surface
+
+SOURCES_A_SLICE = 256
+
+
+class _Worker:
+    """Buffers that one worker floods in; none of them outlives the call."""
+
+    def __init__(self, surface: Surface) -> None:
+        vertices, corners = len(surface.vertices), 3 * len(surface.faces)
+        self.stamp = 0
+        self.marks = np.zeros(vertices), np.full(vertices, -1, np.int32), np.full(vertices, -1, np.int32)
+        self.splits = np.zeros((corners, 2)), np.full(corners, -1, np.int32)
+        self.count = np.zeros(6, np.int64)
+        self.queue = _queue(1 << 10)
+        self.rows = np.zeros((1 << 12, 10)), np.zeros((1 << 12, 3), np.int32)
+
+    def longer_queue(self) -> None:
+        """Double the room for windows that wait."""
+        self.queue = _queue(2 * len(self.queue[0]))
+
+    def longer_rows(self) -> None:
+        """Double the room for rows, and keep what is there."""
+        row, row_id = self.rows
+        self.rows = np.concatenate([row, np.zeros_like(row)]), np.concatenate([row_id, np.zeros_like(row_id)])
+
+    def pass_stamps(self, count: int) -> None:
+        """Never use a stamp twice."""
+        self.stamp += count
+        if self.stamp >= 2**31 - 2 * count:
+            self.stamp = 0
+            for stamps in (*self.marks[1:], self.splits[1]):
+                stamps.fill(-1)
+
+
+def _queue(size: int) -> tuple[NDArray[Any], ...]:
+    """Room for windows that wait: heap, links, windows."""
+    return np.zeros(size), np.zeros((size, 2), np.int32), np.zeros((size, 7)), np.zeros((size, 5), np.int32)
+
+
+def flood_primitives(
+    surface: Surface,
+    start: NDArray[np.int64],
+    face: NDArray[np.int32],
+    primitive: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    bound: NDArray[np.float64],
+    wanted: NDArray[np.bool_] | None,
+    threads: int | None,
+    tick: Tick | None,
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Flood sources, each made of one primitive or several.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    start : (n + 1,) int64
+        Primitives of each source.
+    face : (p,) int32
+        Face of each primitive.
+    primitive : (p, 8) float64
+        Start, end and wedge, in the frame of the face (`surftex.kernels.windows.flood`).
+    radius : (n,) float64
+        Read-only.
+    bound : (m,) float64
+        Read-only.
+    wanted : (m,) bool or None
+        Faces that need rows; None for all.
+    threads : int or None
+        None means every core.
+    tick : callable or None
+        Told the finished share.
+
+    Returns
+    -------
+    row : (r, 10) float64
+        In the order of the sources; read-only.
+    row_id : (r, 3) int32
+        Face, primitive, kind; read-only.
+
+    Raises
+    ------
+    WorkError
+        If one source sends more windows than any sound mesh asks for.
+    """
+    from surftex.kernels.windows import flood
+
+    count, faces = len(start) - 1, len(surface.faces)
+    asked = np.ones(faces, bool) if wanted is None else checked(wanted, "wanted", (faces,), np.bool_)
+    most = 10_000_000 + 1_000 * faces
+    given = (frozen(start), read_only_view(face, np.int32), frozen(primitive), radius, most)
+    mesh = (*packed(surface), frozen(asked.astype(np.uint8)), bound)
+    workers: list[_Worker] = []
+
+    def work(first: int, last: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+        worker = workers.pop() if workers else _Worker(surface)
+        worker.count[3] = 0
+        full = -1
+        while full:
+            room = (*worker.marks, *worker.splits, worker.count, *worker.queue, *worker.rows)
+            first, full = flood(first, last, worker.stamp, *given, *mesh, *room)
+            worker.pass_stamps(count)
+            if full == 1:
+                worker.longer_queue()
+            elif full == 2:
+                worker.longer_rows()
+            elif full == 3:
+                raise WorkError(
+                    f"source {first} of {count} sends more than {most} windows within {radius[first]:g} mm; "
+                    "ask for a smaller radius, or use method='heat'"
+                )
+        n = int(worker.count[3])
+        result = worker.rows[0][:n].copy(), worker.rows[1][:n].copy()
+        workers.append(worker)
+        return result
+
+    parts = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)
+    if not parts:
+        return frozen(np.zeros((0, 10))), frozen(np.zeros((0, 3), np.int32))
+    return frozen(np.concatenate([rows for rows, _ in parts])), frozen(
+        np.concatenate([ids for _, ids in parts])
+    )
