@@ -175,7 +175,7 @@ def on_upper(points, lift):
 def lace_bars():
     """Four bars across the slit, ends tucked into eyelets."""
     bars = []
-    for z in (31.0, 21.5, 12.0, 2.5):
+    for z in (31.0, 23.5, 16.0, 9.0):
         half = 14.0 + 0.05 * (30 - z)
         x = np.linspace(-half, half, 13) - 2
         height = float(TOP(z)) + 10
@@ -197,7 +197,7 @@ def nearest(line, normal):
 
 def bow():
     """Knot, two loops and two ends."""
-    knot = on_upper(np.array([[-2.0, 130.0, 2.5]]), 4.5)[0]
+    knot = on_upper(np.array([[-2.0, 130.0, 9.0]]), 4.5)[0]
     parts = []
     for side in (-1, 1):
         loop = np.array([[0, 0, 0], [9, 5, 5], [20, 4, 13], [29, -4, 17], [33, -11, 12], [28, -7, 5], [17, 1, 1], [7, 3, -2], [0, 0, -1]], float)
