@@ -331,3 +331,9 @@ def test_the_real_leather_part(shared):
     surface = load(shared / "meshes" / "helmet_flight_leather.glb", part="LeatherParts")
     assert surface.part_names == ("LeatherPartsMat",)
     assert len(surface.faces) == 21896
+
+
+def test_sheets_that_meet_only_after_welding_keep_their_winding(shared):
+    surface = load(shared / "meshes" / "face_ict_neutral.obj")
+    assert any("edges with more than two faces" in line for line in surface.warnings)
+    assert not any("wound against" in line or "one side only" in line for line in surface.warnings)

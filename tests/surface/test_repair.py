@@ -262,3 +262,14 @@ def test_random_triangles_always_become_a_surface(seed, places, count):
         return
     distinct = {tuple(sorted(f)) for f in faces.tolist() if len(set(f)) == 3}
     assert len(surface.faces) == len(distinct)
+
+
+def test_faces_of_one_sense_at_a_crowded_edge_are_not_glued():
+    fin = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0.5], [-1, 0.1, 0.5], [0, 1, 0.5], [0.1, -1, 0.5]], float)
+    surface = surface_of(*soup_of(fin, [[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 1, 5]]), part=[0, 0, 1, 2])
+    assert surface.component.max() == 3
+    assert not any("wound against" in line for line in surface.warnings)
+
+
+def soup_of(vertices, faces):
+    return vertices[np.asarray(faces)].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)
