@@ -35,6 +35,22 @@ def buckets_of(face, barycentric, flat, first, cells, grid, bucket):
 
 
 @kernel
+def _lower(kind, row, r, x, y):
+    """Lower bound of the row's distances, slower than (x, y): the middle of a cell may lie off the face.
+
+    In front of the interval that is the distance itself. Behind it, where the distance jumps at the sides of
+    what the interval shows, it is the length of the straight line.
+    """
+    front = (row[r, 4] - row[r, 2]) * (y - row[r, 3]) - (row[r, 5] - row[r, 3]) * (x - row[r, 2])
+    if front >= 0 or kind == 6:
+        return distance_to(kind, row, r, x, y)
+    dx, dy = x - row[r, 0], y - row[r, 1]
+    if kind == 2 or kind == 3:
+        return abs(dx * row[r, 7] + dy * row[r, 8])
+    return row[r, 6] + math.sqrt(dx * dx + dy * dy)
+
+
+@kernel
 def distribute(
     row, row_id, limit, bound, first, cells, grid, fill, entry_start, entry_row, entry_least
 ):
@@ -84,7 +100,7 @@ def distribute(
             ):
                 a, b = (column + 0.5) / per_x, (line + 0.5) / per_y
                 x, y = ox + a * ux - b * uy, oy + a * uy + b * ux
-                nearest = max(least, distance_to(kind, row, r, x, y) - half)
+                nearest = max(least, _lower(kind, row, r, x, y) - half)
                 if nearest < far:
                     bucket = first[face] + line * columns + column
                     if fill == 0:
