@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from surftex.arrays import frozen
 from surftex.features.poisson import Sites
+from surftex.geodesics.bounds import nearest_bound
 from surftex.geodesics.records import Records
 from surftex.geodesics.windows import Buckets, flood_points, nearest, within
 from surftex.kernels.pool import Tick
@@ -106,7 +107,10 @@ class Cells:
         )
         major, minor = table["major_mm"].astype(np.float64), table["minor_mm"].astype(np.float64)
         buckets = Buckets.of(surface, float(np.median(minor)) if len(minor) else 1.0)
-        records = flood_points(surface, sites, REACH * major, buckets=buckets, threads=threads, tick=tick)
+        records = flood_points(
+            surface, sites, REACH * major, buckets=buckets, bound_mm=nearest_bound(surface, sites, NEIGHBOURS),
+            threads=threads, tick=tick,
+        )  # fmt: skip
         stretch = major / minor
         angle = table["angle_rad"].astype(np.float64)
         start, other, apart, vector = within(records, sites, threads=threads)

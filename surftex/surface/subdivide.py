@@ -1,0 +1,143 @@
+"""Finer triangles for a surface: every edge cut at its middle until none is too long, without cracks.
+
+Edges are cut by their length alone, so both faces of an edge cut it alike: no T-junctions, and what was closed
+stays closed.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+_TRIANGLES = {
+    0: ((0, 1, 2),),
+    1: ((0, 3, 2), (3, 1, 2)),
+    2: ((1, 4, 0), (4, 2, 0)),
+    4: ((2, 5, 1), (5, 0, 1)),
+    7: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+}
+"""Children by which edges are cut (bits 0 to 2); 3 to 5 are the middles of edges 0 to 2."""
+
+
+class Subdivided(NamedTuple):
+    """A surface in finer triangles, each of them a piece of one face.
+
+    Attributes
+    ----------
+    parent : (k,) int32
+        Face of the surface that each triangle is a piece of.
+    weight : (k, 3, 3) float64
+        Barycentric weights, in the parent, of each triangle's corners.
+    faces : (k, 3) int32
+        Turned as those of the surface.
+    points : SurfacePoints
+        Place of each of the n vertices.
+    vertices : (n, 3) float64
+        Millimetres; the first ones are those of the surface.
+    """
+
+    parent: NDArray[np.int32]
+    weight: NDArray[np.float64]
+    faces: NDArray[np.int32]
+    points: SurfacePoints
+    vertices: NDArray[np.float64]
+
+
+def subdivided(surface: Surface, edge_mm: float, *, max_faces: int = 20_000_000) -> Subdivided:
+    """Cut every edge that is too long.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    edge_mm : float
+        Longest edge that may stay.
+    max_faces : int
+        Refuse to make more.
+
+    Returns
+    -------
+    fine : Subdivided
+        The surface itself, where no edge is too long.
+
+    Raises
+    ------
+    InputError
+        If it would take more than `max_faces`.
+    """
+    faces = surface.faces.astype(np.int64)
+    parent = np.arange(len(faces))
+    weight = np.broadcast_to(np.eye(3), (len(faces), 3, 3))
+    vertices = surface.vertices
+    while True:
+        pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+        keys, index = np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1], return_inverse=True)
+        ends = np.stack([keys // len(vertices), keys % len(vertices)], axis=1)
+        length = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+        long = _with_longest(length, length > edge_mm, index.reshape(-1, 3))
+        if not long.any():
+            points = _places(faces, parent, weight, len(vertices))
+            return Subdivided(parent.astype(np.int32), weight, faces.astype(np.int32), points, vertices)
+        number = np.full(len(keys), -1)
+        number[long] = len(vertices) + np.arange(long.sum())
+        middle = number[index.reshape(-1, 3)]
+        vertices = np.concatenate([vertices, 0.5 * vertices[ends[long]].sum(axis=1)])
+        faces, parent, weight = _cut(faces, parent, weight, middle)
+        if len(faces) > max_faces:
+            raise InputError(f"edges of {edge_mm:g} mm take over {max_faces} faces; take longer ones")
+
+
+def _with_longest(
+    length: NDArray[np.float64], long: NDArray[np.bool_], edges: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Spread cuts until each face that is cut is cut at its longest edge too, and none at just two others."""
+    longest = edges[np.arange(len(edges)), length[edges].argmax(axis=1)]
+    while True:
+        cut = long[edges]
+        more = long.copy()
+        more[longest[cut.any(axis=1)]] = True
+        cut = more[edges]
+        more[edges[cut.sum(axis=1) == 2]] = True
+        if (more == long).all():
+            return long
+        long = more
+
+
+def _cut(
+    faces: NDArray[np.int64],
+    parent: NDArray[np.int64],
+    weight: NDArray[np.float64],
+    middle: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Replace each face by its children; `middle` is the new vertex of each edge, -1 where it stays."""
+    corner = np.concatenate([faces, middle], axis=1)
+    place = np.concatenate([weight, 0.5 * (weight + np.roll(weight, -1, axis=1))], axis=1)
+    kind = (middle >= 0) @ [1, 2, 4]
+    children, parents, weights, order = [], [], [], []
+    for bits, triangles in _TRIANGLES.items():
+        chosen = np.flatnonzero(kind == bits)
+        for turn, triangle in enumerate(triangles):
+            children.append(corner[chosen][:, triangle])
+            weights.append(place[chosen][:, triangle])
+            parents.append(parent[chosen])
+            order.append(4 * chosen + turn)
+    row = np.argsort(np.concatenate(order), kind="stable")
+    return np.concatenate(children)[row], np.concatenate(parents)[row], np.concatenate(weights)[row]
+
+
+def _places(
+    faces: NDArray[np.int64], parent: NDArray[np.int64], weight: NDArray[np.float64], count: int
+) -> SurfacePoints:
+    """Choose one place on the surface for each vertex: that of the first face that has it."""
+    used = np.full(count, -1)
+    corner = faces.ravel()[::-1]
+    used[corner] = np.arange(len(corner))[::-1]
+    face, barycentric = np.zeros(count, np.int32), np.tile([1.0, 0.0, 0.0], (count, 1))
+    known = used >= 0
+    face[known] = parent[used[known] // 3]
+    barycentric[known] = weight.reshape(-1, 3)[used[known]]
+    return SurfacePoints.trusted(face, barycentric)
