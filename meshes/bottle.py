@@ -7,10 +7,51 @@ from meshes.model import Part
 from meshes.sweep import grid_faces
 
 COLUMNS = 64
-OUTSIDE = [(0, 4), (18, 3.2), (27, 1.2), (31.5, 0), (34.2, 1.2), (36, 5), (36.4, 12), (36.2, 40), (35.2, 75), (35.8, 110), (36.2, 128),
-           (35, 142), (30, 157), (21, 171), (15.2, 181), (13.6, 190), (13.2, 200), (13.4, 206), (15.4, 207.2), (16, 209.5), (15.8, 213), (14.8, 214.6), (13, 215)]
-INSIDE = [(13, 215), (11.4, 214), (10.9, 211), (10.8, 200), (11.4, 190), (13, 181), (19, 170.5), (28, 156), (32.6, 141.5), (33.6, 128), (33.2, 110), (32.6, 75),
-          (33.6, 40), (33.8, 12), (32, 7.5), (27, 5.6), (18, 6.6), (0, 7.4)]
+OUTSIDE = [
+    (0, 4),
+    (18, 3.2),
+    (27, 1.2),
+    (31.5, 0),
+    (34.2, 1.2),
+    (36, 5),
+    (36.4, 12),
+    (36.2, 40),
+    (35.2, 75),
+    (35.8, 110),
+    (36.2, 128),
+    (35, 142),
+    (30, 157),
+    (21, 171),
+    (15.2, 181),
+    (13.6, 190),
+    (13.2, 200),
+    (13.4, 206),
+    (15.4, 207.2),
+    (16, 209.5),
+    (15.8, 213),
+    (14.8, 214.6),
+    (13, 215),
+]
+INSIDE = [
+    (13, 215),
+    (11.4, 214),
+    (10.9, 211),
+    (10.8, 200),
+    (11.4, 190),
+    (13, 181),
+    (19, 170.5),
+    (28, 156),
+    (32.6, 141.5),
+    (33.6, 128),
+    (33.2, 110),
+    (32.6, 75),
+    (33.6, 40),
+    (33.8, 12),
+    (32, 7.5),
+    (27, 5.6),
+    (18, 6.6),
+    (0, 7.4),
+]
 
 
 def profile(points, step):
@@ -31,7 +72,14 @@ def revolved(points, step, strip):
     row_v = v[1:] if pole_first else v[:-1]
     angle = np.arange(COLUMNS + 1) * 2 * np.pi / COLUMNS
     angle[-1] = 0.0
-    body = np.stack([rows[:, :1] * np.cos(angle), np.broadcast_to(rows[:, 1:], (len(rows), COLUMNS + 1)), -rows[:, :1] * np.sin(angle)], -1)
+    body = np.stack(
+        [
+            rows[:, :1] * np.cos(angle),
+            np.broadcast_to(rows[:, 1:], (len(rows), COLUMNS + 1)),
+            -rows[:, :1] * np.sin(angle),
+        ],
+        -1,
+    )
     u = np.linspace(0, 1, COLUMNS + 1)
     low, high = strip
     uv = np.stack(np.broadcast_arrays(u[None], (low + (high - low) * row_v)[:, None]), -1)
@@ -49,4 +97,7 @@ def revolved(points, step, strip):
 
 def build():
     inside, outside = revolved(INSIDE, 4.5, (0.505, 1.0)), revolved(OUTSIDE, 3.6, (0.0, 0.495))
-    return [Part("outside", outside[0], outside[1], outside[2]), Part("inside", inside[0], inside[1], inside[2])]
+    return [
+        Part("outside", outside[0], outside[1], outside[2]),
+        Part("inside", inside[0], inside[1], inside[2]),
+    ]

@@ -36,7 +36,11 @@ def tuft(x, z):
 
 
 def body(p):
-    crown = 7 * np.cos(np.clip(p[:, 0] / HALF, -1, 1) * np.pi / 2) * np.cos(np.clip(p[:, 2] / HALF, -1, 1) * np.pi / 2)
+    crown = (
+        7
+        * np.cos(np.clip(p[:, 0] / HALF, -1, 1) * np.pi / 2)
+        * np.cos(np.clip(p[:, 2] / HALF, -1, 1) * np.pi / 2)
+    )
     top = smoothstep(-30, 20, p[:, 1])
     q = p.copy()
     q[:, 1] += top * (tuft(p[:, 0], p[:, 2]) - crown)
@@ -49,7 +53,10 @@ def piping(level):
     angle = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     c, s = np.cos(angle), np.sin(angle)
     power = 0.28
-    line = np.stack([HALF * np.sign(c) * np.abs(c) ** power, np.full(400, level), HALF * np.sign(s) * np.abs(s) ** power], 1)
+    line = np.stack(
+        [HALF * np.sign(c) * np.abs(c) ** power, np.full(400, level), HALF * np.sign(s) * np.abs(s) ** power],
+        1,
+    )
     for _ in range(6):
         moved, _ = pulled(body, line, 8.0)
         line = np.stack([moved[:, 0], np.full(400, level), moved[:, 2]], 1)
@@ -62,16 +69,25 @@ def button(x, z):
     rings, sides = 5, 14
     tilt = np.linspace(0, np.pi, rings + 2)[1:-1]
     angle = np.arange(sides) * 2 * np.pi / sides
-    points = np.stack([np.outer(np.sin(tilt), np.cos(angle)), np.broadcast_to(np.cos(tilt)[:, None], (rings, sides)), np.outer(np.sin(tilt), np.sin(angle))], -1)
+    points = np.stack(
+        [
+            np.outer(np.sin(tilt), np.cos(angle)),
+            np.broadcast_to(np.cos(tilt)[:, None], (rings, sides)),
+            np.outer(np.sin(tilt), np.sin(angle)),
+        ],
+        -1,
+    )
     points = np.concatenate([points.reshape(-1, 3), [[0, 1, 0], [0, -1, 0]]]) * [11.0, 5.0, 11.0]
 
     ring = np.arange(sides)
     onward, last = (ring + 1) % sides, (rings - 1) * sides
-    faces = np.concatenate([
-        grid_faces(rings, sides, False, True)[:, ::-1],
-        np.stack([np.full(sides, rings * sides), onward, ring], 1),
-        np.stack([np.full(sides, rings * sides + 1), last + ring, last + onward], 1),
-    ])
+    faces = np.concatenate(
+        [
+            grid_faces(rings, sides, False, True)[:, ::-1],
+            np.stack([np.full(sides, rings * sides), onward, ring], 1),
+            np.stack([np.full(sides, rings * sides + 1), last + ring, last + onward], 1),
+        ]
+    )
     seat = np.array([[x, HIGH + 10.0, z]])
     for _ in range(30):
         value = body(seat)
@@ -87,5 +103,3 @@ def build():
     cords = [Part("piping", *piping(level)) for level in (22.0, -24.0)]
     studs = [Part("buttons", *button(x, z)) for x, z in buttons()]
     return [cover, *cords, *studs]
-
-

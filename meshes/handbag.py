@@ -63,7 +63,9 @@ def tab(x, z, side):
 def hoop(centre, radius, wire):
     turn, tilt = np.meshgrid(np.arange(28) * 2 * np.pi / 28, np.arange(8) * 2 * np.pi / 8, indexing="ij")
     away = radius + wire * np.cos(tilt)
-    points = np.stack([away * np.cos(turn) * 1.15, away * np.sin(turn), wire * np.sin(tilt)], -1).reshape(-1, 3)
+    points = np.stack([away * np.cos(turn) * 1.15, away * np.sin(turn), wire * np.sin(tilt)], -1).reshape(
+        -1, 3
+    )
     return outward(points + centre, grid_faces(28, 8, True, True))
 
 
@@ -76,7 +78,14 @@ def build():
     h = 8.2
     body = solid(shape, np.arange(-174, 174, h), np.arange(-124, 124, h), np.arange(-82, 82, h), rounds=8)
     h = 5.8
-    cover = solid(flap, np.arange(-148, 148, h), np.arange(-64, 122, h * 0.9), np.arange(-76, 84, h * 0.85), rounds=4, fair=20)
+    cover = solid(
+        flap,
+        np.arange(-148, 148, h),
+        np.arange(-64, 122, h * 0.9),
+        np.arange(-76, 84, h * 0.85),
+        rounds=4,
+        fair=20,
+    )
     parts = [Part("body", *body), Part("body", *cover)]
     for z, lean in ((40.0, 22.0), (-40.0, -22.0)):
         side = 1 if z > 0 else -1
@@ -85,10 +94,23 @@ def build():
             parts.append(Part("straps", *tab(x, z, side)))
             parts.append(Part("metal", *hoop([x, 122.0, z], 11.0, 2.0)))
     step = 2.6
-    parts.append(Part("metal", *solid(clasp, np.arange(-24, 25, step), np.arange(-50, -14, step), np.arange(48, 74, step), rounds=4)))
+    parts.append(
+        Part(
+            "metal",
+            *solid(
+                clasp, np.arange(-24, 25, step), np.arange(-50, -14, step), np.arange(48, 74, step), rounds=4
+            ),
+        )
+    )
     for x in (-118.0, 118.0):
         for z in (-38.0, 38.0):
             grid = np.arange(-14, 15, 2.9)
-            foot = solid(lambda p, x=x, z=z: ellipsoid(p, (x, -107, z), (9, 6, 9)), x + grid, -107 + grid, z + grid, rounds=4)
+            foot = solid(
+                lambda p, x=x, z=z: ellipsoid(p, (x, -107, z), (9, 6, 9)),
+                x + grid,
+                -107 + grid,
+                z + grid,
+                rounds=4,
+            )
             parts.append(Part("metal", *foot))
     return parts

@@ -5,8 +5,14 @@ from importlib import import_module
 from pathlib import Path
 
 FILES = {
-    "torus": "torus.obj", "bottle": "bottle.glb", "cushion": "cushion.obj", "shoe": "shoe.obj", "head": "head.ply",
-    "handbag": "handbag.obj", "steering_wheel": "steering_wheel.glb", "watch_strap": "watch_strap.obj",
+    "torus": "torus.obj",
+    "bottle": "bottle.glb",
+    "cushion": "cushion.obj",
+    "shoe": "shoe.obj",
+    "head": "head.ply",
+    "handbag": "handbag.obj",
+    "steering_wheel": "steering_wheel.glb",
+    "watch_strap": "watch_strap.obj",
 }
 
 

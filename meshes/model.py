@@ -26,7 +26,9 @@ def write(path, parts):
 
 
 def _numbers(row):
-    return " ".join(f"{value:.3f}".rstrip("0").rstrip(".") if value else "0" for value in row.tolist()).replace("-0 ", "0 ")
+    return " ".join(
+        f"{value:.3f}".rstrip("0").rstrip(".") if value else "0" for value in row.tolist()
+    ).replace("-0 ", "0 ")
 
 
 def write_obj(path, parts):
@@ -49,7 +51,9 @@ def write_obj(path, parts):
             lines += [f"vt {u:.5f} {v:.5f}" for u, v in part.uv.tolist()]
             faces += [
                 "f " + " ".join(f"{p}/{t}" for p, t in zip(points, places, strict=True))
-                for points, places in zip((index[part.faces] + base).tolist(), (part.faces + base_uv).tolist(), strict=True)
+                for points, places in zip(
+                    (index[part.faces] + base).tolist(), (part.faces + base_uv).tolist(), strict=True
+                )
             ]
             base_uv += len(part.uv)
         else:
@@ -80,31 +84,57 @@ def write_glb(path, parts):
     def store(array, target, kind, component, **extra):
         data = array.tobytes()
         data += b"\0" * (-len(data) % 4)
-        views.append({"buffer": 0, "byteOffset": sum(map(len, chunks)), "byteLength": array.nbytes, "target": target})
-        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(array.reshape(-1)) if
-                          kind == "SCALAR" else len(array), "type": kind, **extra})
+        views.append(
+            {"buffer": 0, "byteOffset": sum(map(len, chunks)), "byteLength": array.nbytes, "target": target}
+        )
+        accessors.append(
+            {
+                "bufferView": len(views) - 1,
+                "componentType": component,
+                "count": len(array.reshape(-1)) if kind == "SCALAR" else len(array),
+                "type": kind,
+                **extra,
+            }
+        )
         chunks.append(data)
         return len(accessors) - 1
 
     for number, part in enumerate(parts):
         metres = (part.vertices / 1000.0).astype("<f4")
-        attributes = {"POSITION": store(metres, 34962, "VEC3", 5126, min=metres.min(axis=0).tolist(),
-                                        max=metres.max(axis=0).tolist())}
+        attributes = {
+            "POSITION": store(
+                metres, 34962, "VEC3", 5126, min=metres.min(axis=0).tolist(), max=metres.max(axis=0).tolist()
+            )
+        }
         if part.uv is not None:
             down = np.column_stack([part.uv[:, 0], 1 - part.uv[:, 1]]).astype("<f4")
             attributes["TEXCOORD_0"] = store(down, 34962, "VEC2", 5126)
         wide = len(part.vertices) > 65535
-        indices = store(part.faces.astype("<u4" if wide else "<u2").ravel(), 34963, "SCALAR", 5125 if wide else 5123)
+        indices = store(
+            part.faces.astype("<u4" if wide else "<u2").ravel(), 34963, "SCALAR", 5125 if wide else 5123
+        )
         primitives.append({"attributes": attributes, "indices": indices, "material": number})
     binary = b"".join(chunks)
     tree = {
         "asset": {"version": "2.0", "generator": "surftex meshes", "copyright": "MIT licence"},
-        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "name": path.stem}],
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": path.stem}],
         "meshes": [{"name": path.stem, "primitives": primitives}],
-        "materials": [{"name": part.name, "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}} for part in parts],
-        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(binary)}],
+        "materials": [
+            {"name": part.name, "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.6}}
+            for part in parts
+        ],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(binary)}],
     }
     text = json.dumps(tree, separators=(",", ":")).encode("ascii")
     text += b" " * (-len(text) % 4)
-    path.write_bytes(struct.pack("<III", 0x46546C67, 2, 28 + len(text) + len(binary)) + struct.pack("<II", len(text), 0x4E4F534A)
-                     + text + struct.pack("<II", len(binary), 0x004E4942) + binary)
+    path.write_bytes(
+        struct.pack("<III", 0x46546C67, 2, 28 + len(text) + len(binary))
+        + struct.pack("<II", len(text), 0x4E4F534A)
+        + text
+        + struct.pack("<II", len(binary), 0x004E4942)
+        + binary
+    )

@@ -50,8 +50,12 @@ def without_checkers(value):
 
 def _without_opposites(value):
     """Drop one of two inner corners that face each other across a cell, or of two outer ones."""
-    corners = {(i, j, k): value[tuple(slice(d, n - 1 + d) for d, n in zip((i, j, k), value.shape, strict=True))] < 0
-               for i in (0, 1) for j in (0, 1) for k in (0, 1)}
+    corners = {
+        (i, j, k): value[tuple(slice(d, n - 1 + d) for d, n in zip((i, j, k), value.shape, strict=True))] < 0
+        for i in (0, 1)
+        for j in (0, 1)
+        for k in (0, 1)
+    }
     count = sum(corner.astype(int) for corner in corners.values())
     found = 0
     for a in ((0, 0, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0)):
@@ -161,9 +165,15 @@ def triangles(points, quads):
     """Cut each quad along its shorter diagonal, or along the other one where that edge is taken."""
     a, b, c, d = (points[quads[:, i]] for i in range(4))
     first = ((a - c) ** 2).sum(axis=1) <= ((b - d) ** 2).sum(axis=1)
-    side = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 2), axis=1) @ [len(points), 1]
+    side = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 2), axis=1) @ [
+        len(points),
+        1,
+    ]
     for _ in range(4):
-        cross = np.sort(np.where(first[:, None], quads[:, [0, 2]], quads[:, [1, 3]]), axis=1) @ [len(points), 1]
+        cross = np.sort(np.where(first[:, None], quads[:, [0, 2]], quads[:, [1, 3]]), axis=1) @ [
+            len(points),
+            1,
+        ]
         _, index, count = np.unique(cross, return_inverse=True, return_counts=True)
         taken = (count[index] > 1) | np.isin(cross, side)
         if not taken.any():

@@ -93,13 +93,17 @@ def outline(out, back, step):
     loop = np.stack([45 * np.sin(angle), 0 * angle, -135 * np.cos(angle)], 1)
     for _ in range(40):
         loop, _ = pulled(lambda q: plan(q) - out, loop, 4.0)
-        loop = resampled(loop, np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum() / 240, closed=True)
+        loop = resampled(
+            loop, np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1).sum() / 240, closed=True
+        )
     if back is not None:
         loop = loop[np.lexsort((loop[:, 0], loop[:, 2]))]
         keep = loop[loop[:, 2] < back]
         right = keep[keep[:, 0] > 1][np.argsort(keep[keep[:, 0] > 1][:, 2])]
         left = keep[keep[:, 0] <= 1][np.argsort(keep[keep[:, 0] <= 1][:, 2])]
-        breast = [[x, 0, back - 4 + 4 * (x / 30) ** 2] for x in np.linspace(right[-1, 0], left[-1, 0], 20)[1:-1]]
+        breast = [
+            [x, 0, back - 4 + 4 * (x / 30) ** 2] for x in np.linspace(right[-1, 0], left[-1, 0], 20)[1:-1]
+        ]
         corners = [left[len(left) // 4], right[len(right) // 4], right[-1], left[-1]]
         loop = np.concatenate([right, breast, left[::-1]])
     else:
@@ -129,7 +133,14 @@ def slab(sides, top, bottom, rounding, rows):
     for _ in range(60):
         links[1:-1, 1:-1] = 0.25 * (links[2:, 1:-1] + links[:-2, 1:-1] + links[1:-1, 2:] + links[1:-1, :-2])
     rim = np.concatenate([links[0, :-1], links[:-1, -1], links[-1, :0:-1], links[:0:-1, 0]])
-    middle = np.stack([0 * rim[:, 0], 0 * rim[:, 0], np.clip(rim[:, 2], *(np.array([0.9, 0.9]) * [rim[:, 2].min(), rim[:, 2].max()]))], 1)
+    middle = np.stack(
+        [
+            0 * rim[:, 0],
+            0 * rim[:, 0],
+            np.clip(rim[:, 2], *(np.array([0.9, 0.9]) * [rim[:, 2].min(), rim[:, 2].max()])),
+        ],
+        1,
+    )
     inward = middle - rim
     inward /= length(inward)[:, None]
     n, m = links.shape[:2]
@@ -200,7 +211,20 @@ def bow():
     knot = on_upper(np.array([[-2.0, 130.0, 9.0]]), 4.5)[0]
     parts = []
     for side in (-1, 1):
-        loop = np.array([[0, 0, 0], [9, 5, 5], [20, 4, 13], [29, -4, 17], [33, -11, 12], [28, -7, 5], [17, 1, 1], [7, 3, -2], [0, 0, -1]], float)
+        loop = np.array(
+            [
+                [0, 0, 0],
+                [9, 5, 5],
+                [20, 4, 13],
+                [29, -4, 17],
+                [33, -11, 12],
+                [28, -7, 5],
+                [17, 1, 1],
+                [7, 3, -2],
+                [0, 0, -1],
+            ],
+            float,
+        )
         end = np.array([[0, 0, 1], [7, 3, 9], [14, 0, 20], [20, -8, 30], [24, -17, 37]], float)
         for number, shape in enumerate((loop, end)):
             line = knot + shape * [side, 1, 1] + [0.3 * side, 0.2 * number, 0]
@@ -221,6 +245,8 @@ def build():
     h = 4.4
     xs, zs = np.arange(-58, 58, h), np.arange(-152, 152, h)
     shell = solid(upper, xs, np.arange(2, 128, h), zs, rounds=4, fair=20)
-    sheet = solid(tongue, np.arange(-44, 41, h), np.arange(36, 134, h), np.arange(-62, 66, h), rounds=4, fair=20)
+    sheet = solid(
+        tongue, np.arange(-44, 41, h), np.arange(36, 134, h), np.arange(-62, 66, h), rounds=4, fair=20
+    )
     laces = [Part("laces", *body) for body in (*lace_bars(), *bow())]
     return [Part("upper", *shell), Part("upper", *sheet), *(Part("sole", *body) for body in sole()), *laces]

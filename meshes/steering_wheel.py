@@ -15,14 +15,16 @@ def rim():
     around, columns = 220, 22
     turn = np.arange(around) * 2 * np.pi / around
     angle = np.degrees(turn)
-    rest = sum(np.exp(-(((angle - at + 180) % 360 - 180) / 9.0) ** 2) for at in (22, 158))
-    notch = sum(np.exp(-(((angle - at + 180) % 360 - 180) / 3.0) ** 2) for at in (40, 140))
+    rest = sum(np.exp(-((((angle - at + 180) % 360 - 180) / 9.0) ** 2)) for at in (22, 158))
+    notch = sum(np.exp(-((((angle - at + 180) % 360 - 180) / 3.0) ** 2)) for at in (40, 140))
     radius = RIM - 10 * smoothstep(-0.70, -1.0, np.sin(turn))
     tilt = np.arange(columns) * 2 * np.pi / columns
     thick, deep = 14.0 + 2.6 * rest - 1.3 * notch, 16.5 + 1.6 * rest - 1.3 * notch
     grip = 1 - 0.05 * np.cos(3 * tilt)
     away = radius[:, None] + thick[:, None] * np.cos(tilt) * grip
-    points = np.stack([away * np.cos(turn)[:, None], away * np.sin(turn)[:, None], deep[:, None] * np.sin(tilt) * grip], -1)
+    points = np.stack(
+        [away * np.cos(turn)[:, None], away * np.sin(turn)[:, None], deep[:, None] * np.sin(tilt) * grip], -1
+    )
     return outward(points.reshape(-1, 3), grid_faces(around, columns, True, True))
 
 
@@ -34,7 +36,10 @@ def spokes(p):
     q[:, 2] = z + 26 * smoothstep(165, 60, away)
     sides = box(q, (0, 4, 0), (RIM, 17, 4.5), 4.0) - 3.0
     sides = union(sides, box(q, (0, 8, 0), (95, 24, 4.5), 4.0) - 2.0, 20)
-    foot = np.minimum(rod(q * [1, 1, 1.9], (22, -20, 0), (30, -168, 0), 15, 11), rod(q * [1, 1, 1.9], (-22, -20, 0), (-30, -168, 0), 15, 11))
+    foot = np.minimum(
+        rod(q * [1, 1, 1.9], (22, -20, 0), (30, -168, 0), 15, 11),
+        rod(q * [1, 1, 1.9], (-22, -20, 0), (-30, -168, 0), 15, 11),
+    )
     body = union(sides, foot, 16)
     return intersection(body, away - RIM + 3, 2)
 
@@ -52,6 +57,13 @@ def hub(p):
 
 def build():
     h = 4.6
-    arms = solid(spokes, np.arange(-190, 190, h), np.arange(-190, 60, h), np.arange(-50, 24, h * 0.75), rounds=5, fair=8)
+    arms = solid(
+        spokes,
+        np.arange(-190, 190, h),
+        np.arange(-190, 60, h),
+        np.arange(-50, 24, h * 0.75),
+        rounds=5,
+        fair=8,
+    )
     middle = solid(hub, np.arange(-84, 84, h), np.arange(-78, 74, h), np.arange(-62, 24, h), rounds=5, fair=6)
     return [Part("rim", *rim()), Part("spokes", *arms), Part("hub", *middle)]

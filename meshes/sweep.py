@@ -6,7 +6,9 @@ import numpy as np
 def grid_faces(rows, columns, close_rows=False, close_columns=False):
     """Triangles of a (rows, columns) grid of vertices; outward is row direction x column direction."""
     r, c = np.meshgrid(
-        np.arange(rows if close_rows else rows - 1), np.arange(columns if close_columns else columns - 1), indexing="ij"
+        np.arange(rows if close_rows else rows - 1),
+        np.arange(columns if close_columns else columns - 1),
+        indexing="ij",
     )
     r, c = r.ravel(), c.ravel()
     down, right = (r + 1) % rows, (c + 1) % columns
@@ -45,11 +47,13 @@ def tube(points, section, closed=False, up=(0.0, 1.0, 0.0)):
         onward = (ring + 1) % columns
         last = (rows - 1) * columns
         vertices = np.concatenate([vertices, points[:1], points[-1:]])
-        faces = np.concatenate([
-            faces,
-            np.stack([np.full(columns, start), onward, ring], 1),
-            np.stack([np.full(columns, end), last + ring, last + onward], 1),
-        ])
+        faces = np.concatenate(
+            [
+                faces,
+                np.stack([np.full(columns, start), onward, ring], 1),
+                np.stack([np.full(columns, end), last + ring, last + onward], 1),
+            ]
+        )
     return outward(vertices, faces)
 
 
@@ -72,8 +76,15 @@ def band_section(width, thickness, across, rounding=1.0):
     radius = high * rounding
     top = np.linspace(half - radius, -(half - radius), across)[1:-1]
     parts = []
-    for centre, turn in (((half - radius, high - radius), 0.0), ((-(half - radius), high - radius), np.pi / 2)):
-        parts.append(np.stack([centre[0] + radius * np.cos(corner + turn), centre[1] + radius * np.sin(corner + turn)], 1))
+    for centre, turn in (
+        ((half - radius, high - radius), 0.0),
+        ((-(half - radius), high - radius), np.pi / 2),
+    ):
+        parts.append(
+            np.stack(
+                [centre[0] + radius * np.cos(corner + turn), centre[1] + radius * np.sin(corner + turn)], 1
+            )
+        )
         if turn == 0.0:
             parts.append(np.stack([top, np.full(len(top), high)], 1))
     upper = np.concatenate(parts)

@@ -8,7 +8,11 @@ from meshes.sweep import grid_faces, outward
 
 def build():
     columns, rows, ring, tube = 96, 40, 45.0, 18.0
-    around, tilt = np.meshgrid(np.arange(columns) * 2 * np.pi / columns, np.arange(rows) * 2 * np.pi / rows, indexing="ij")
+    around, tilt = np.meshgrid(
+        np.arange(columns) * 2 * np.pi / columns, np.arange(rows) * 2 * np.pi / rows, indexing="ij"
+    )
     away = ring + tube * np.cos(tilt)
-    points = np.stack([away * np.cos(around), tube * np.sin(tilt), away * np.sin(around)], axis=-1).reshape(-1, 3)
+    points = np.stack([away * np.cos(around), tube * np.sin(tilt), away * np.sin(around)], axis=-1).reshape(
+        -1, 3
+    )
     return [Part("ring", *outward(points, grid_faces(columns, rows, True, True)))]

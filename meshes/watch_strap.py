@@ -8,6 +8,7 @@ from meshes.nets import solid
 from meshes.sweep import band_section, grid_faces, outward, resampled, round_section, tube
 
 LUG, TIP, HOLES = 20.0, 16.0, np.arange(7)
+PAGE = 150.0
 
 
 def half_width(s, long):
@@ -30,7 +31,9 @@ def long_half(p):
 
 
 def rounded_tip(s, t, long):
-    return -(np.sqrt(np.maximum(s - (long - 12), 0) ** 2 + (1.45 * t) ** 2) - 12) * (s > long - 12) + 3.0 * (s <= long - 12)
+    return -(np.sqrt(np.maximum(s - (long - 12), 0) ** 2 + (1.45 * t) ** 2) - 12) * (s > long - 12) + 3.0 * (
+        s <= long - 12
+    )
 
 
 def flat_body(p, long):
@@ -70,8 +73,15 @@ def bent(p, start, sign):
 
 
 def half(function, long, sign, uv_row):
-    h = 1.15
-    points, faces = solid(function, np.arange(-3, long + 3.5, h), np.arange(-13.2, 13.3, h), np.arange(-3.1, 4.4, 0.72), rounds=5, fair=4)
+    h = 1.25
+    points, faces = solid(
+        function,
+        np.arange(-3, long + 3.5, h),
+        np.arange(-13.2, 13.3, h),
+        np.arange(-3.1, 4.4, 0.72),
+        rounds=5,
+        fair=4,
+    )
     a, b, c = (points[faces[:, i]] for i in range(3))
     below = np.cross(b - a, c - a)[:, 2] < 0
     middle = points[faces].mean(axis=1)
@@ -80,7 +90,7 @@ def half(function, long, sign, uv_row):
     under = np.stack([points[:, 0], points[:, 1]], 1)
     used = [np.unique(faces[~below]), np.unique(faces[below])]
     vertices = np.concatenate([points[u] for u in used])
-    uv = np.concatenate([flat[used[0]] + [5, uv_row], under[used[1]] + [5, uv_row + 32]]) / 132.0
+    uv = np.concatenate([flat[used[0]] + [5, uv_row], under[used[1]] + [5, uv_row + 32]]) / PAGE
     number = np.zeros(len(points), int)
     pieces = []
     for u, chosen, base in ((used[0], ~below, 0), (used[1], below, len(used[0]))):
@@ -99,20 +109,40 @@ def loop(name, line, section, up, corner):
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(grid[:, 0], axis=0), axis=1))])
     around = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(grid[0], axis=0), axis=1))])
     uv = np.stack(np.meshgrid(along, around, indexing="ij"), -1).reshape(-1, 2)
-    return Part(name, *outward(grid.reshape(-1, 3), grid_faces(rows + 1, columns + 1)), (uv + corner) / 132.0)
+    return Part(name, *outward(grid.reshape(-1, 3), grid_faces(rows + 1, columns + 1)), (uv + corner) / PAGE)
 
 
 def keeper(at, corner):
     """A loop of leather across both halves."""
-    corners = [[10.9, -1.4], [11.3, 2.6], [10.6, 6.9], [0, 7.9], [-10.6, 6.9], [-11.3, 2.6], [-10.9, -1.4], [0, -2.6]]
+    corners = [
+        [10.9, -1.4],
+        [11.3, 2.6],
+        [10.6, 6.9],
+        [0, 7.9],
+        [-10.6, 6.9],
+        [-11.3, 2.6],
+        [-10.9, -1.4],
+        [0, -2.6],
+    ]
     line = resampled(np.column_stack([np.full(8, at), np.array(corners, float)]), 1.3, closed=True)
     return loop("leather", line, band_section(4.6, 1.4, 5), line - [at, 0, 2.6], corner)
 
 
 def buckle():
     """A metal frame in front of the short half."""
-    corners = [[71, 10.6, 0.6], [77, 11.4, 1.4], [83, 10.8, 2.2], [84.4, 0, 2.4], [83, -10.8, 2.2], [77, -11.4, 1.4], [71, -10.6, 0.6], [70, 0, 0.4]]
-    return loop("metal", resampled(corners, 1.2, closed=True), round_section(1.35, 10), (0.0, 0.0, 1.0), [5, 112])
+    corners = [
+        [71, 10.6, 0.6],
+        [77, 11.4, 1.4],
+        [83, 10.8, 2.2],
+        [84.4, 0, 2.4],
+        [83, -10.8, 2.2],
+        [77, -11.4, 1.4],
+        [71, -10.6, 0.6],
+        [70, 0, 0.4],
+    ]
+    return loop(
+        "metal", resampled(corners, 1.2, closed=True), round_section(1.35, 10), (0.0, 0.0, 1.0), [5, 127]
+    )
 
 
 def build():

@@ -167,7 +167,8 @@ def _look(
         "base_color": np.array(metal.get("baseColorFactor", [0.6, 0.6, 0.6, 1.0])[:3], float),
         "roughness": float(metal.get("roughnessFactor", 1.0)),
         "metallic": float(metal.get("metallicFactor", 1.0 if "metallicRoughnessTexture" in metal else 0.0)),
-        "specular": np.array(shine.get("specularColorFactor", [1.0] * 3), float) * shine.get("specularFactor", 1.0),
+        "specular": np.array(shine.get("specularColorFactor", [1.0] * 3), float)
+        * shine.get("specularFactor", 1.0),
         "occluded": "occlusionTexture" in entry,
     }
     wired = {
@@ -194,7 +195,9 @@ def _picture(document: Document, texture: Any, folder: Path) -> NDArray[Any] | N
     if image.get("bufferView") is not None:
         data = bytes(document.view(image["bufferView"])[0])
     else:
-        data = read_bytes(_beside(document, str(image.get("uri", "")), f"images[{source}]", folder), purpose="picture")
+        data = read_bytes(
+            _beside(document, str(image.get("uri", "")), f"images[{source}]", folder), purpose="picture"
+        )
     if data[:4] == b"\x89PNG":
         pixels = imagecodecs.png_decode(data)
     elif data[:2] == b"\xff\xd8":

@@ -56,14 +56,26 @@ def lamp_depths(vertex, faces, lamp, scale, depth):
     for k in range(len(lamp)):
         for f in range(len(faces)):
             a, b, c = faces[f, 0], faces[f, 1], faces[f, 2]
-            ax = half + scale * (vertex[a, 0] * lamp[k, 0, 0] + vertex[a, 1] * lamp[k, 0, 1] + vertex[a, 2] * lamp[k, 0, 2])
-            ay = half + scale * (vertex[a, 0] * lamp[k, 1, 0] + vertex[a, 1] * lamp[k, 1, 1] + vertex[a, 2] * lamp[k, 1, 2])
+            ax = half + scale * (
+                vertex[a, 0] * lamp[k, 0, 0] + vertex[a, 1] * lamp[k, 0, 1] + vertex[a, 2] * lamp[k, 0, 2]
+            )
+            ay = half + scale * (
+                vertex[a, 0] * lamp[k, 1, 0] + vertex[a, 1] * lamp[k, 1, 1] + vertex[a, 2] * lamp[k, 1, 2]
+            )
             az = vertex[a, 0] * lamp[k, 2, 0] + vertex[a, 1] * lamp[k, 2, 1] + vertex[a, 2] * lamp[k, 2, 2]
-            bx = half + scale * (vertex[b, 0] * lamp[k, 0, 0] + vertex[b, 1] * lamp[k, 0, 1] + vertex[b, 2] * lamp[k, 0, 2])
-            by = half + scale * (vertex[b, 0] * lamp[k, 1, 0] + vertex[b, 1] * lamp[k, 1, 1] + vertex[b, 2] * lamp[k, 1, 2])
+            bx = half + scale * (
+                vertex[b, 0] * lamp[k, 0, 0] + vertex[b, 1] * lamp[k, 0, 1] + vertex[b, 2] * lamp[k, 0, 2]
+            )
+            by = half + scale * (
+                vertex[b, 0] * lamp[k, 1, 0] + vertex[b, 1] * lamp[k, 1, 1] + vertex[b, 2] * lamp[k, 1, 2]
+            )
             bz = vertex[b, 0] * lamp[k, 2, 0] + vertex[b, 1] * lamp[k, 2, 1] + vertex[b, 2] * lamp[k, 2, 2]
-            cx = half + scale * (vertex[c, 0] * lamp[k, 0, 0] + vertex[c, 1] * lamp[k, 0, 1] + vertex[c, 2] * lamp[k, 0, 2])
-            cy = half + scale * (vertex[c, 0] * lamp[k, 1, 0] + vertex[c, 1] * lamp[k, 1, 1] + vertex[c, 2] * lamp[k, 1, 2])
+            cx = half + scale * (
+                vertex[c, 0] * lamp[k, 0, 0] + vertex[c, 1] * lamp[k, 0, 1] + vertex[c, 2] * lamp[k, 0, 2]
+            )
+            cy = half + scale * (
+                vertex[c, 0] * lamp[k, 1, 0] + vertex[c, 1] * lamp[k, 1, 1] + vertex[c, 2] * lamp[k, 1, 2]
+            )
             cz = vertex[c, 0] * lamp[k, 2, 0] + vertex[c, 1] * lamp[k, 2, 1] + vertex[c, 2] * lamp[k, 2, 2]
             twice = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
             if twice == 0.0:

@@ -12,7 +12,12 @@ from surftex.maps.mapset import MapSet
 from surftex.preview.texture import Pyramid, linear_light
 from surftex.surface.surface import Surface
 
-PLAIN = {"base_color": np.array([0.42, 0.41, 0.40]), "roughness": 0.55, "metallic": 0.0, "specular": np.ones(3)}
+PLAIN = {
+    "base_color": np.array([0.42, 0.41, 0.40]),
+    "roughness": 0.55,
+    "metallic": 0.0,
+    "specular": np.ones(3),
+}
 """Clay: how a mesh without material looks."""
 
 CHANNELS = 13
@@ -49,7 +54,9 @@ def bodies_of(subject: Any) -> list[Body]:
         return [_clay(subject)]
     if isinstance(subject, (tuple, list)) and len(subject) == 2:
         return [_clay(Surface.from_arrays(*subject))]
-    raise InputError(f"cannot draw a {type(subject).__name__}; give a path, a MapSet, a Surface or (vertices, faces)")
+    raise InputError(
+        f"cannot draw a {type(subject).__name__}; give a path, a MapSet, a Surface or (vertices, faces)"
+    )
 
 
 def _clay(surface: Surface) -> Body:
@@ -68,7 +75,9 @@ def _baked(maps: MapSet) -> Body:
     image[..., 3] = maps["ambient_occlusion"] if "ambient_occlusion" in maps else 1.0
     image[..., 4] = maps["roughness"] if "roughness" in maps else PLAIN["roughness"]
     image[..., 5] = maps["metallic"] if "metallic" in maps else 0.0
-    image[..., 6:9] = 0.08 * (maps["specular"] if "specular" in maps else np.full(size, 0.5, np.float32))[..., None]
+    image[..., 6:9] = (
+        0.08 * (maps["specular"] if "specular" in maps else np.full(size, 0.5, np.float32))[..., None]
+    )
     image[..., 9:12] = maps["normal"] if "normal" in maps else np.array([0, 0, 1.0])
     image[..., 12] = 1.0
     uv = maps.atlas.corner_uv.reshape(-1, 2) * [1.0, -1.0] + [0.0, 1.0]

@@ -80,7 +80,9 @@ def render(
     bodies = bodies_of(subject)
     start = np.cumsum([0] + [len(body.vertices) for body in bodies])
     vertices = np.concatenate([body.vertices for body in bodies])
-    faces = np.concatenate([body.faces + at for body, at in zip(bodies, start[:-1], strict=True)]).astype(np.int32)
+    faces = np.concatenate([body.faces + at for body, at in zip(bodies, start[:-1], strict=True)]).astype(
+        np.int32
+    )
     seen = np.unique(faces)
     fine = (size[0] * samples, size[1] * samples)
     camera = camera_for(vertices[seen], fine, view=view, zoom=zoom, target=target, up=up)
@@ -139,7 +141,9 @@ def render_file(
     return target
 
 
-def _visible(corner: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+def _visible(
+    corner: NDArray[np.float64], size: tuple[int, int]
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
     """Face and weights behind each sample."""
     from surftex.kernels.view import nearest_faces
 
@@ -151,7 +155,9 @@ def _visible(corner: NDArray[np.float64], size: tuple[int, int]) -> tuple[NDArra
     return face, weight
 
 
-def _stand(picture: NDArray[np.float32], face: NDArray[np.int32], scene: Lit, camera: Camera, level: float) -> None:
+def _stand(
+    picture: NDArray[np.float32], face: NDArray[np.int32], scene: Lit, camera: Camera, level: float
+) -> None:
     """Darken the background where a floor below would lie in shadow."""
     row, column = np.nonzero(face < 0)
     for first in range(0, len(row), _CHUNK):
@@ -202,7 +208,9 @@ def _levels(body: Body, corner: NDArray[np.float64]) -> NDArray[np.float32]:
         one, two = places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]
         return np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
-    return (0.5 * np.log2(np.maximum(area(texel), 1e-12) / np.maximum(area(corner), 1e-12)) - 0.5).astype(np.float32)
+    return (0.5 * np.log2(np.maximum(area(texel), 1e-12) / np.maximum(area(corner), 1e-12)) - 0.5).astype(
+        np.float32
+    )
 
 
 def _samples(
@@ -235,7 +243,9 @@ def _samples(
             tangent, sign = blended(body.tangents[:, :3]), np.sign(body.tangents[index[:, 0], 3])[:, None]
         else:
             tangent, sign = _tangents(b - a, c - a, body.uv[index], raw)
-        normal = _unit(local[:, :1] * tangent + local[:, 1:2] * sign * np.cross(raw, tangent) + local[:, 2:] * raw)
+        normal = _unit(
+            local[:, :1] * tangent + local[:, 1:2] * sign * np.cross(raw, tangent) + local[:, 2:] * raw
+        )
     behind = np.where((facing * to_eye).sum(axis=1) < 0, -1.0, 1.0)[:, None]
     return shaded(scene, material, point, *(
         (v * k).astype(np.float32) for v, k in ((normal, behind), (facing, behind), (to_eye, 1.0))

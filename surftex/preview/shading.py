@@ -114,7 +114,9 @@ def lit(
     scale = 0.49 * _MAP_PX / radius
     depth = np.full((len(lamps.frame), _MAP_PX, _MAP_PX), -1e30, np.float32)
     faces = np.ascontiguousarray(faces, dtype=np.int32)
-    slices(lambda a, b: lamp_depths(place, faces, lamps.frame[a:b], scale, depth[a:b]), len(lamps.frame), size=4)
+    slices(
+        lambda a, b: lamp_depths(place, faces, lamps.frame[a:b], scale, depth[a:b]), len(lamps.frame), size=4
+    )
     return Lit(studio, lamps, up, centre, scale, depth)
 
 
@@ -172,9 +174,16 @@ def shaded(
     return (base * (1 - metallic) * diffuse * rest + specular) * np.float32(scene.studio.exposure)
 
 
-def _environment(cosine: NDArray[np.float32], alpha: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _environment(
+    cosine: NDArray[np.float32], alpha: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Share of an even surrounding that GGX mirrors: factor of F0, and what grazing adds (Karis' fit)."""
     roughness = np.sqrt(alpha)
-    r0, r1, r2, r3 = 1 - roughness, -0.0275 * roughness + 0.0425, -0.572 * roughness + 1.04, 0.022 * roughness - 0.04
+    r0, r1, r2, r3 = (
+        1 - roughness,
+        -0.0275 * roughness + 0.0425,
+        -0.572 * roughness + 1.04,
+        0.022 * roughness - 0.04,
+    )
     a = np.minimum(r0 * r0, np.exp2(-9.28 * cosine)) * r0 + r1
     return (-1.04 * a + r2).astype(np.float32), np.maximum(1.04 * a + r3, 0).astype(np.float32)

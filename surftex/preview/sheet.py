@@ -43,8 +43,12 @@ def contact_sheet(
         If there are no pictures, or labels for other than all of them.
     """
     if not images or (labels and len(labels) != len(images)):
-        raise InputError(f"a sheet takes pictures and as many labels; these are {len(images)} and {len(labels)}")
-    tiles = [np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3] for image in images]
+        raise InputError(
+            f"a sheet takes pictures and as many labels; these are {len(images)} and {len(labels)}"
+        )
+    tiles = [
+        np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3] for image in images
+    ]
     columns = columns or int(np.ceil(np.sqrt(len(tiles))))
     rows = -(-len(tiles) // columns)
     high, wide = max(t.shape[0] for t in tiles), max(t.shape[1] for t in tiles)

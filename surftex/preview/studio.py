@@ -170,7 +170,11 @@ def lamps_of(studio: Studio, view: NDArray[np.float64], up: NDArray[np.float64],
 
 
 def mirrored(
-    studio: Studio, lamps: Lamps, up: NDArray[np.float64], direction: NDArray[np.float32], spread: NDArray[np.float32]
+    studio: Studio,
+    lamps: Lamps,
+    up: NDArray[np.float64],
+    direction: NDArray[np.float32],
+    spread: NDArray[np.float32],
 ) -> list[NDArray[np.float32]]:
     """Brightness of boxes and room in mirror directions, blurred.
 

@@ -1,0 +1,159 @@
+"""Stills: what is seen where, normal maps against true relief, shadows, options, files."""
+
+import numpy as np
+import pytest
+
+from surftex.charts.atlas import Atlas
+from surftex.errors import InputError, RecipeError
+from surftex.files.images import read_png
+from surftex.kernels.view import nearest_faces
+from surftex.preview.camera import camera_for
+from surftex.preview.render import render, render_file
+from surftex.preview.sheet import contact_sheet, written
+from surftex.preview.studio import SoftBox, Studio
+from surftex.preview.texture import Pyramid, linear_light
+from surftex.surface.shapes import plane, sphere
+from tests.oracles.view import nearest_faces_slowly
+
+SMALL = {"size": (120, 90), "samples": 1}
+
+
+def test_nearest_faces_agree_with_the_obvious_twin():
+    random = np.random.Generator(np.random.PCG64(3))
+    corner = np.concatenate([random.uniform(-5, 45, (60, 3, 2)), random.uniform(0.5, 2, (60, 3, 1))], axis=2)
+    face, weight = np.full((30, 40), -1, np.int32), np.zeros((30, 40, 3), np.float32)
+    near = np.zeros((30, 40), np.float32)
+    nearest_faces(corner, 0, face, weight, near)
+    true_face, true_weight = nearest_faces_slowly(corner, 30, 40)
+    assert (face == true_face).mean() > 0.999  # ties of float32 depths may fall either way
+    assert (face >= 0).sum() > 500
+    same = (face == true_face) & (face >= 0)
+    np.testing.assert_allclose(weight[same], true_weight[same], atol=1e-5)
+
+
+def test_camera_frames_what_it_should():
+    points = sphere(30.0, subdivisions=3).vertices
+    pixels = camera_for(points, (300, 200)).project(points)
+    assert 0 < pixels[:, 0].min()
+    assert pixels[:, 0].max() < 300
+    assert np.ptp(pixels[:, 1]) == pytest.approx(0.84 * 200, rel=1e-6)
+    close = camera_for(points, (300, 200), view="front", zoom=10, target=(0, 0, 30))
+    np.testing.assert_allclose(close.project(np.array([0.0, 0, 30]))[:2], (150, 100), atol=1e-6)
+    right = camera_for(points, (300, 200), view="front").project(
+        np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0]])
+    )
+    assert right[1, 0] > right[0, 0]
+    assert right[2, 1] < right[0, 1]
+
+
+def test_a_ball_is_lit_from_above_left_and_throws_a_shadow():
+    picture = render(sphere(30.0, subdivisions=4), **SMALL, view="front").astype(float)
+    middle, reach = np.array([45, 60]), 20
+    assert (
+        picture[middle[0] - reach, middle[1] - reach].mean()
+        > 1.3 * picture[middle[0] + reach, middle[1] + reach].mean()
+    )
+    standing = render(sphere(30.0, subdivisions=4), **SMALL).astype(float)
+    floating = render(sphere(30.0, subdivisions=4), **SMALL, floor=False).astype(float)
+    assert standing[-12:].mean() < floating[-12:].mean() - 2
+    np.testing.assert_array_equal(standing[:5], floating[:5])
+
+
+def test_the_same_picture_twice():
+    ball = sphere(30.0, subdivisions=2)
+    np.testing.assert_array_equal(render(ball, **SMALL), render(ball, **SMALL))
+
+
+def bumps(x, y):
+    """A relief and its slope, millimetres."""
+    k = 2 * np.pi / 2.5
+    return (
+        0.08 * np.sin(k * x) * np.sin(k * y),
+        0.08 * k * np.cos(k * x) * np.sin(k * y),
+        0.08 * k * np.sin(k * x) * np.cos(k * y),
+    )
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_normal_map_looks_like_the_relief_that_it_stands_for(mirrored):
+    """Shading with slopes from the map equals shading of displaced triangles, mirrored unwraps included."""
+    from surftex.maps.mapset import MapSet
+    from surftex.maps.normal import surface_tangents
+
+    flat = plane(10.0, cells=8)
+    fine = plane(10.0, cells=240)
+    raised = fine.vertices.copy()
+    raised[:, 2] = bumps(*fine.vertices.T[:2])[0]
+    x, y = np.meshgrid((np.arange(512) + 0.5) / 51.2, 10 - (np.arange(512) + 0.5) / 51.2)
+    _, along, upward = bumps(x, y)
+    normal = np.stack([-along, -upward, np.ones_like(x)], axis=2)
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    uv = flat.corner_uv.copy()
+    if mirrored:
+        uv[..., 0] = 1 - uv[..., 0]
+        normal = normal[:, ::-1]
+    atlas = Atlas.of(flat, uv)
+    # A mirrored u carries the tangent with it: the map tells slopes along u.
+    normal = normal * ([-1, 1, 1] if mirrored else [1, 1, 1])
+    maps = MapSet(
+        maps={"normal": normal.astype(np.float32)},
+        surface=flat,
+        atlas=atlas,
+        tangents=surface_tangents(flat, atlas),
+    )
+    raking = Studio((SoftBox((-1.0, 0.5, 0.45), (0.1, 0.1), 1.0, lamps=2),), above=0.05, below=0.05)
+    options = {"size": (160, 160), "samples": 2, "view": "front", "light": raking, "floor": False}
+    told = render(maps, **options)[20:-20, 20:-20].astype(float)
+    true = render((raised, fine.faces), **options)[20:-20, 20:-20].astype(float)
+    plain = render(flat, **options)[20:-20, 20:-20].astype(float)
+    assert np.corrcoef(told.ravel(), true.ravel())[0, 1] > 0.97
+    assert np.abs(told - true).mean() < 0.35 * np.abs(plain - true).mean()
+
+
+def test_pictures_are_halved_and_blended():
+    image = np.zeros((8, 8, 1))
+    image[::2] = 1.0
+    pyramid = Pyramid(image)
+    places = np.array([[0.3, 0.0625], [0.3, 0.1875], [0.3, 0.125]])
+    np.testing.assert_allclose(pyramid.at(places, np.zeros(3))[:, 0], [1, 0, 0.5], atol=1e-3)
+    np.testing.assert_allclose(pyramid.at(places, np.ones(3))[:, 0], 0.5, atol=1e-3)
+    np.testing.assert_allclose(pyramid.at(places[:1], np.array([0.5])), 0.75, atol=1e-3)
+    assert linear_light(np.array([0, 188, 255], np.uint8)).tolist() == pytest.approx([0, 0.5, 1], abs=0.005)
+
+
+def test_files_and_mistakes(tmp_path, meshes):
+    path = render_file(meshes / "bottle.glb", tmp_path / "bottle.png", **SMALL)
+    assert read_png(path).shape == (90, 120, 3)
+    assert [p.name for p in tmp_path.iterdir()] == ["bottle.png"]
+    with pytest.raises(InputError, match=r"\.png"):
+        render_file(meshes / "bottle.glb", tmp_path / "bottle.jpg")
+    ball = sphere(10.0, subdivisions=1)
+    for wrong in (
+        {"view": "nowhere"},
+        {"light": "candle"},
+        {"zoom": 0},
+        {"up": "w"},
+        {"background": "pink"},
+        {"samples": 0},
+    ):
+        with pytest.raises(RecipeError):
+            render(ball, **{**SMALL, **wrong})
+    with pytest.raises(InputError, match="cannot draw"):
+        render(3)
+
+
+def test_sheet_has_room_for_all_and_letters():
+    images = [np.full((20, 30, 3), 50 * k, np.uint8) for k in range(5)]
+    sheet = contact_sheet(images, ["one", "two", "three", "4", "5"], columns=3, gap=10)
+    assert sheet.shape == (2 * (20 + 30 + 10) + 10, 3 * 40 + 10, 3)
+    assert (sheet[10:30, 50:80] == 50).all()
+    assert (sheet[38:48, 10:40] == 20).any()
+    assert written("H", 1)[:, :3].astype(int).tolist() == [
+        [1, 0, 1],
+        [1, 0, 1],
+        [1, 1, 1],
+        [1, 0, 1],
+        [1, 0, 1],
+    ]
+    with pytest.raises(InputError, match="labels"):
+        contact_sheet(images, ["one"])
