@@ -116,7 +116,7 @@ def _bake(
     subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages
 ) -> "MapSet":
     from surftex.bake.fields import make_fields
-    from surftex.bake.pages import bake_pages, chosen_maps
+    from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.report import make_report, measured_seams
     from surftex.bake.stack import place_stack
     from surftex.bake.unwrapping import Unwrapping
@@ -137,10 +137,16 @@ def _bake(
             surface, atlas, stack, settings.resolution, maps,
             gutter_px=settings.gutter, tile_rows=tile, threads=threads, tick=tick,
         )  # fmt: skip
+    moved: dict[str, Any] = {}
+    if settings.equalise:
+        with stages.stage("equalise") as tick:
+            moved = equalise_pages(surface, atlas, pages, tick=tick)
     with stages.stage("seams"):
         seam = measured_seams(surface, atlas, pages)
     warnings = surface.warnings + unwrapping.notes + atlas.notes
     report = make_report(surface, recipe, stack, atlas, pages, seam, stages, warnings)
+    if moved:
+        report["equalised"] = moved
     return MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)
 
 

@@ -155,6 +155,47 @@ def bake_pages(
     return Pages(images, core, count, tools.tangents)
 
 
+def equalise_pages(
+    surface: Surface, atlas: Atlas, pages: Pages, *, tick: Tick | None = None
+) -> dict[str, dict[str, float]]:
+    """Even out what is left of seams, in place; ids are left alone, and normals, whose frames differ across seams.
+
+    Parameters
+    ----------
+    surface : Surface
+        What was baked.
+    atlas : Atlas
+        Its unwrap.
+    pages : Pages
+        The maps.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    moved : dict of str to dict
+        For each map how many ``texels`` moved, and by how much: ``rms`` and ``max``, in its own unit.
+    """
+    from surftex.charts.equalise import equalise
+    from surftex.charts.seams import seam_samples
+
+    moved = {}
+    names = [name for name in pages.images if name not in ("normal", "region")]
+    for i, name in enumerate(names):
+        image = pages.images[name]
+        result = equalise(seam_samples(surface, atlas, image.shape[0]), image)
+        low, high = (0.0, np.inf) if name == "base_color" else (0.0, 1.0)
+        image[...] = result.image if name == "height" else np.clip(result.image, low, high)
+        moved[name] = {
+            "texels": result.moved_texels,
+            "rms": result.moved_rms,
+            "max": result.moved_max,
+        }
+        if tick:
+            tick((i + 1) / len(names))
+    return moved
+
+
 def _page(name: str, resolution: int) -> NDArray[Any]:
     count = 3 if name == "normal" else 1 if name in _CHANNEL_OF else CHANNELS[name]
     shape = (resolution, resolution) if count == 1 else (resolution, resolution, count)
@@ -198,7 +239,7 @@ class _Tools:
 
     def margin_px(self, gutter: int) -> int:
         """Rows beyond a tile that its maps depend on."""
-        return 2 * gutter + 8 if self.looks_around else 0
+        return 2 * max(gutter, 16) + 8 if self.looks_around else 0
 
     def map(self, name: str, tile: Texels, values: dict[str, NDArray[Any]]) -> NDArray[Any]:
         """Make one map at the texels of a tile."""
@@ -212,5 +253,11 @@ class _Tools:
                 values["height_mm"],
                 tangents=self.tangents,
                 threads=self.threads,
+            )
+        if name == "ambient_occlusion":
+            from surftex.maps.occlusion import ambient_occlusion
+
+            return ambient_occlusion(
+                self.surface, self.atlas, tile, values["height_mm"], threads=self.threads
             )
         return values[_CHANNEL_OF.get(name, name)]

@@ -1,7 +1,7 @@
 """The options of every command. argparse: it imports ten times faster than what is built on top of it."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from surftex import __version__
@@ -103,6 +103,8 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     presets = command("presets", "List the presets, or print one as a recipe to start from.")
     presets.add_argument("name", nargs="?", metavar="NAME", help="print this preset as TOML")
     presets.add_argument("--json", action="store_true", help="as JSON")
+    _analyse(command("analyse", "Spectrum, statistics and a section of a height map, as PNG and JSON."))
+    _render(command("render", "Draw a still of a mesh or of a bake's GLB."))
     cache = command("cache", "Look after the compiled kernels.")
     action = cache.add_mutually_exclusive_group(required=True)
     action.add_argument(
@@ -160,6 +162,43 @@ def _inspect(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="as JSON")
 
 
+def _analyse(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="HEIGHT.exr", help="a height map, in millimetres")
+    parser.add_argument(
+        "-o", "--out", metavar="STEM", help="of the PNG and the JSON (default: <height>_analysis)"
+    )
+    parser.add_argument(
+        "--section",
+        type=_numbers(4),
+        metavar="COLUMN,ROW,COLUMN,ROW",
+        help="draw a section between two texels",
+    )
+    parser.add_argument(
+        "--mm-per-texel", type=_number, metavar="MM", help="(default: from the bake's report)"
+    )
+    parser.add_argument("--json", action="store_true", help="print the result on stdout")
+
+
+def _render(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="MESH|GLB", help="what to draw")
+    parser.add_argument(
+        "-o", "--out", metavar="PICTURE.png", required=True, help="the picture; replaced if there"
+    )
+    parser.add_argument(
+        "--picture-size", type=_side_by_side, metavar="WxH", help="in pixels (default: 1280x960)"
+    )
+    parser.add_argument(
+        "--view", metavar="NAME|AZIMUTH,ELEVATION", help="such as front, top (default: three-quarter)"
+    )
+    parser.add_argument("--light", choices=["studio", "raking"], help="(default: studio)")
+    parser.add_argument("--zoom", type=_number, metavar="X", help="1 shows everything, 10 a tenth of it")
+    parser.add_argument(
+        "--target", type=_numbers(3), metavar="X,Y,Z", help="place in mm to have in the middle"
+    )
+    parser.add_argument("--up", choices=["x", "y", "z"], help="axis that points up (default: y)")
+    parser.add_argument("--background", metavar="COLOUR", help="such as #e9e7e4")
+
+
 def _scale(parser: Parser) -> None:
     parser.add_argument("--units", choices=["mm", "cm", "m", "in"], help="unit of the file's coordinates")
     parser.add_argument("--size", metavar="LENGTH", help='length of the longest side, such as "300 mm"')
@@ -172,6 +211,30 @@ def _manner(parser: Parser) -> None:
     manner.add_argument(
         "-v", "--verbose", action="store_true", help="a line per stage; tracebacks of failures"
     )
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+
+
+def _numbers(count: int) -> Callable[[str], tuple[float, ...]]:
+    def read(text: str) -> tuple[float, ...]:
+        numbers = tuple(_number(each) for each in text.split(","))
+        if len(numbers) != count:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {count} numbers with commas between")
+        return numbers
+
+    return read
+
+
+def _side_by_side(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
+        raise argparse.ArgumentTypeError(f"{text!r} is no size; write it as 1280x960")
+    return int(width), int(height)
 
 
 def _whole(text: str) -> int:

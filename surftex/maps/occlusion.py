@@ -68,7 +68,7 @@ def ambient_occlusion(
         raise InputError(f"radius_mm is {radius_mm}; it takes a length above 0")
     values = checked(height_mm, "height_mm", (len(texels),), np.float32)
     metric = page_metric(surface, atlas, texels.width, texels.height)
-    step = _steps(atlas, texels, radius_mm)
+    step = _steps(surface, atlas, texels.width, radius_mm)
     rim = int(step[-1])
     width = texels.width + 2 * rim
     height = np.full((texels.rows[1] - texels.rows[0] + 2 * rim, width), np.nan, np.float32)
@@ -88,10 +88,8 @@ def ambient_occlusion(
     return sky
 
 
-def _steps(atlas: Atlas, texels: Texels, radius_mm: float) -> NDArray[np.int64]:
-    """Choose at which distances, in texels, to look: denser near by."""
-    if len(texels) == 0:
-        return np.ones(1, np.int64)
-    reach = radius_mm / float(np.median(texels.footprint_mm))
-    farthest = min(_FARTHEST, max(1, default_gutter_px(atlas, texels.width)), max(1.0, reach))
+def _steps(surface: Surface, atlas: Atlas, width: int, radius_mm: float) -> NDArray[np.int64]:
+    """Choose at which distances, in texels, to look: denser near by. The same for all rows of a page."""
+    reach = radius_mm * atlas.texels_per_mm(surface, width)
+    farthest = min(_FARTHEST, max(1, default_gutter_px(atlas, width)), max(1.0, reach))
     return np.unique(np.rint(np.geomspace(1, farthest, _STEPS)).astype(np.int64))

@@ -171,3 +171,17 @@ def test_the_room_and_the_function_share_a_name():
     )
     assert surftex.bake is not None
     assert set(surftex.__all__) == set(surftex._HOME) | {"__version__"}
+
+
+def test_equalising_lowers_the_jumps_at_seams_and_says_what_it_moved():
+    plain = sx.bake(sphere(20.0, subdivisions=3), Waves(), resolution=128, maps="height,roughness,region")
+    even = sx.bake(
+        sphere(20.0, subdivisions=3), Waves(), resolution=128, maps="height,roughness,region", equalise=True
+    )
+    for name in ("height", "roughness"):
+        before, after = (maps.report["seam"]["maps"][name]["rms"] for maps in (plain, even))
+        assert after < 0.6 * before
+        moved = even.report["equalised"][name]
+        assert 0 < moved["rms"] <= moved["max"] <= np.abs(even[name] - plain[name]).max() * 1.01
+    assert even["region"].tobytes() == plain["region"].tobytes()
+    assert "equalised" not in plain.report

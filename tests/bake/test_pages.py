@@ -26,7 +26,7 @@ def tube():
     return surface, unwrap(surface, method="uvunwrap", resolution=256)
 
 
-MAPS = ("normal", "height", "base_color", "region")
+MAPS = ("normal", "height", "base_color", "region", "ambient_occlusion")
 
 
 @pytest.mark.parametrize(("tile_rows", "threads"), [(256, 1), (100, 2), (31, 1), (17, 2)])

@@ -1,0 +1,49 @@
+"""``surftex render``: a still, drawn off screen."""
+
+from argparse import Namespace
+from typing import Any
+
+from surftex.cli.say import out
+from surftex.errors import RecipeError
+
+
+def run(options: Namespace) -> None:
+    """Draw a still.
+
+    Parameters
+    ----------
+    options : Namespace
+        From the command line.
+
+    Raises
+    ------
+    SurftexError
+        If there is nothing to draw, or the picture cannot be written.
+    """
+    from surftex.preview.render import render_file
+
+    asked: dict[str, Any] = {
+        "size": options.picture_size,
+        "view": None if options.view is None else _view(options.view),
+        "light": options.light,
+        "zoom": options.zoom,
+        "target": options.target,
+        "up": options.up,
+        "background": options.background,
+    }
+    given = {name: value for name, value in asked.items() if value is not None}
+    path = render_file(options.subject, options.out, **given)
+    if not options.quiet:
+        out(str(path))
+
+
+def _view(text: str) -> str | tuple[float, float]:
+    if "," not in text:
+        return text
+    try:
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        raise RecipeError(
+            f"--view {text!r} is no view; write a name, or azimuth,elevation in degrees"
+        ) from None
+    return azimuth, elevation
