@@ -205,7 +205,7 @@ def lens(centres, powers, widths):
 
 
 def solid(function, xs, ys, zs, rounds=12, most=None, fair=10, unseen=None):
-    """Triangles of the zero set: nets, then rounds of evening out along the surface, each followed by a pull; then `fair` of fairing."""
+    """Triangles of the zero set: nets, rounds of evening out along it, each with a pull back; then `fair` of fairing."""
     if unseen is None:
         points, quads = without_doublets(*surface_nets(function, xs, ys, zs))
     else:

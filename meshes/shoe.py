@@ -3,6 +3,8 @@
 z runs from the heel (-) to the toe (+), x across (the inner side of this left shoe is -x), y up from the ground.
 """
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
@@ -33,13 +35,13 @@ def plan(p):
 
 
 def cap(p):
-    """The toe cap and the facings lie on top of the vamp: half a millimetre to one more."""
+    """The toe cap and the facings lie on top of the vamp: two and three millimetres more."""
     z = p[:, 2]
     edge = 74 + 0.006 * (p[:, 0] + 6) ** 2
     low = np.maximum(0, 72 - p[:, 1])
     facing, slope = 46 - 0.3 * low - 0.012 * low**2, 0.3 + 0.024 * low
     back = smoothstep(2.6, -2.6, (z - facing) / np.sqrt(1 + slope**2))
-    return 1.3 * smoothstep(-2.4, 2.4, z - edge) + 2.2 * back
+    return 2.0 * smoothstep(-2.4, 2.4, z - edge) + 3.0 * back
 
 
 def last(p):
@@ -88,7 +90,7 @@ def tongue(p):
 
 
 def outline(out, back, step):
-    """Four sides (heel, outer, toe, inner) of the foot's outline, `out` millimetres wider, cut at `back` if that lies in front."""
+    """Four sides (heel, outer, toe, inner) of the foot's outline, `out` mm wider, cut at `back` if given."""
     angle = np.linspace(0, 2 * np.pi, 240, endpoint=False)
     loop = np.stack([45 * np.sin(angle), 0 * angle, -135 * np.cos(angle)], 1)
     for _ in range(40):
@@ -164,7 +166,7 @@ def slab(sides, top, bottom, rounding, rows):
         walls.append(2 * n * m + len(walls) * count + np.arange(count))
         points.append(ring_)
     walls = [edge, *walls, n * m + edge]
-    for a, b in zip(walls[:-1], walls[1:], strict=True):
+    for a, b in pairwise(walls):
         faces += [np.stack([a, b, np.roll(b, -1)], 1), np.stack([a, np.roll(b, -1), np.roll(a, -1)], 1)]
     return outward(np.concatenate(points), np.concatenate(faces))
 
@@ -186,7 +188,7 @@ def on_upper(points, lift):
 def lace_bars():
     """Four bars across the slit, ends tucked into eyelets."""
     bars = []
-    for z in (31.0, 23.5, 16.0, 9.0):
+    for z in (33.0, 27.0, 21.0, 15.0):
         half = 14.0 + 0.05 * (30 - z)
         x = np.linspace(-half, half, 13) - 2
         height = float(TOP(z)) + 10
@@ -208,7 +210,7 @@ def nearest(line, normal):
 
 def bow():
     """Knot, two loops and two ends."""
-    knot = on_upper(np.array([[-2.0, 130.0, 9.0]]), 4.5)[0]
+    knot = on_upper(np.array([[-2.0, 130.0, 15.0]]), 4.5)[0]
     parts = []
     for side in (-1, 1):
         loop = np.array(

@@ -20,10 +20,8 @@ def grid_faces(rows, columns, close_rows=False, close_columns=False):
 
 def frames(points, closed=False, up=(0.0, 1.0, 0.0)):
     """Unit tangents, sides and uppers along a polyline; `up` is kept as far as it can be."""
-    if closed:
-        tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    else:
-        tangent = np.gradient(points, axis=0)
+    around = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    tangent = around if closed else np.gradient(points, axis=0)
     tangent = tangent / np.linalg.norm(tangent, axis=1, keepdims=True)
     up = np.broadcast_to(np.asarray(up, float), points.shape)
     side = np.cross(tangent, up)

@@ -181,7 +181,7 @@ def _spectrum_panel(spectrum: Spectrum, ring: Ring) -> NDArray[np.uint8]:
 
 
 def _section_panel(cut: Section) -> NDArray[np.uint8]:
-    """The relief as a line, with zero and the extremes marked."""
+    """Draw the relief as a line, with zero and the extremes marked."""
     panel = np.full((_SIDE, _SIDE, 3), 250, np.uint8)
     low, high = min(float(cut.height_mm.min()), 0.0), max(float(cut.height_mm.max()), 0.0)
     pad = 0.08 * max(high - low, 1e-9)

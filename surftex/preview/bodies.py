@@ -72,9 +72,9 @@ def _baked(maps: MapSet) -> Body:
     size = next(iter(maps.values())).shape[:2]
     image = np.zeros((*size, CHANNELS), np.float32)
     image[..., :3] = maps["base_color"] if "base_color" in maps else PLAIN["base_color"]
-    image[..., 3] = maps["ambient_occlusion"] if "ambient_occlusion" in maps else 1.0
+    image[..., 3] = maps.get("ambient_occlusion", 1.0)
     image[..., 4] = maps["roughness"] if "roughness" in maps else PLAIN["roughness"]
-    image[..., 5] = maps["metallic"] if "metallic" in maps else 0.0
+    image[..., 5] = maps.get("metallic", 0.0)
     image[..., 6:9] = (
         0.08 * (maps["specular"] if "specular" in maps else np.full(size, 0.5, np.float32))[..., None]
     )

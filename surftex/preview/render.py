@@ -162,7 +162,7 @@ def _stand(
     row, column = np.nonzero(face < 0)
     for first in range(0, len(row), _CHUNK):
         r, c = row[first : first + _CHUNK], column[first : first + _CHUNK]
-        ray = camera.rays(c + 0.5, r + 0.5)
+        ray = camera.rays(c.astype(np.float64) + 0.5, r.astype(np.float64) + 0.5)
         down = ray @ scene.up
         reach = (level - camera.place @ scene.up) / np.where(down < -1e-6, down, -1.0)
         point = camera.place + reach[:, None] * ray

@@ -92,8 +92,8 @@ def height_spectrum(height_mm: NDArray[np.floating], mm_per_texel: float = 1.0) 
     density = power * mm_per_texel**2 / (window**2).sum()
     return Spectrum(
         density,
-        np.fft.fftshift(np.fft.fftfreq(columns, mm_per_texel)),
-        np.fft.fftshift(np.fft.fftfreq(rows, mm_per_texel)),
+        np.fft.fftshift(np.fft.fftfreq(columns, mm_per_texel)).astype(np.float64),
+        np.fft.fftshift(np.fft.fftfreq(rows, mm_per_texel)).astype(np.float64),
     )
 
 
