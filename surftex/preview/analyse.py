@@ -135,14 +135,17 @@ def drawn(
 
 
 def _fitted(image: NDArray[np.floating]) -> tuple[NDArray[np.floating], int, int]:
-    """Resize to a panel, averaging what is finer."""
-    rows, columns = image.shape
-    step = max(1, int(np.ceil(max(rows, columns) / _SIDE)))
-    trimmed = image[: rows // step * step, : columns // step * step]
-    small = trimmed.reshape(rows // step, step, columns // step, step).mean(axis=(1, 3))
-    more = max(1, _SIDE // max(small.shape))
-    small = np.repeat(np.repeat(small, more, axis=0), more, axis=1)
-    return small, *small.shape
+    """Resize so that the longer side fills a panel, averaging what is finer."""
+    step = max(1, max(image.shape) // _SIDE)
+    trimmed = image[: image.shape[0] // step * step, : image.shape[1] // step * step]
+    small = trimmed.reshape(trimmed.shape[0] // step, step, -1, step).mean(axis=(1, 3))
+    scale = _SIDE / max(small.shape)
+    rows, columns = (max(1, round(length * scale)) for length in small.shape)
+    at_row, at_column = (
+        np.minimum((np.arange(count) + 0.5) * length / count, length - 1).astype(int)
+        for count, length in zip((rows, columns), small.shape, strict=True)
+    )
+    return small[at_row][:, at_column], rows, columns
 
 
 def _spectrum_panel(spectrum: Spectrum, ring: Ring) -> NDArray[np.uint8]:
