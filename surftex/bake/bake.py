@@ -14,6 +14,7 @@ from surftex.recipe.read import load_recipe, recipe_for
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
+    from surftex.bake.displacing import Baked
     from surftex.maps.mapset import MapSet
 
 
@@ -92,7 +93,7 @@ def bake(
     if tile is not None and tile < 1:
         raise InputError(f"tile is {tile}; it takes at least 1 row")
     subject, recipe = _recipe_and_subject(subject, material)
-    recipe = Recipe.of(
+    whole = Recipe.of(
         recipe,
         resolution=resolution,
         seed=seed,
@@ -103,18 +104,60 @@ def bake(
         max_features=max_features,
         equalise=equalise,
     )
+    return run(whole, subject, features=features, threads=threads, tile=tile, progress=progress).maps
+
+
+def run(
+    recipe: Recipe,
+    subject: Any = None,
+    *,
+    features: Mapping[str, NDArray] | str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    tile: int | None = None,
+    progress: Progress | None = None,
+) -> "Baked":
+    """Bake a recipe, and keep the patterns beside the maps.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        Everything that decides the bake.
+    subject : as for `bake`, optional
+        The recipe's own mesh without it.
+    features : mapping or path, optional
+        As for `bake`.
+    threads : int, optional
+        As for `bake`.
+    tile : int, optional
+        As for `bake`.
+    progress : callable, optional
+        As for `bake`.
+
+    Returns
+    -------
+    baked : Baked
+        ``maps`` and ``stack``.
+
+    Raises
+    ------
+    InputError
+        As for `bake`.
+    WorkError
+        As for `bake`.
+    """
     try:
         return _bake(subject, recipe, features, threads, tile, Stages(progress))
     except MemoryError:
         side = recipe.bake.resolution
         raise WorkError(
-            f"not enough memory for {side} x {side}; lower the resolution or ask for fewer"
+            f"not enough memory for {side} x {side}; lower the resolution or ask for fewer maps"
         ) from None
 
 
 def _bake(
     subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages
-) -> "MapSet":
+) -> "Baked":
+    from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.report import make_report, measured_seams
@@ -147,7 +190,8 @@ def _bake(
     report = make_report(surface, recipe, stack, atlas, pages, seam, stages, warnings)
     if moved:
         report["equalised"] = moved
-    return MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)
+    maps_made = MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)
+    return Baked(maps_made, stack, recipe)
 
 
 def _recipe_and_subject(subject: Any, material: Any) -> tuple[Any, Any]:

@@ -7,14 +7,13 @@ from surftex.bake.stages import Progress
 from surftex.files.output import check_output, whole_output
 
 if TYPE_CHECKING:
-    from surftex.maps.mapset import MapSet
+    from surftex.bake.displacing import Baked
 
 
 def save(
-    maps: "MapSet",
+    baked: "Baked",
     folder: str | Path,
     *,
-    displaced: bool = False,
     overwrite: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -23,12 +22,10 @@ def save(
 
     Parameters
     ----------
-    maps : MapSet
-        From `surftex.bake`.
+    baked : Baked
+        From `surftex.bake.bake.run`.
     folder : path
         Made when it is missing; files of other names in it stay.
-    displaced : bool
-        Whether to write the displaced mesh as well.
     overwrite : bool
         Whether files of the same names may be replaced.
     threads : int, optional
@@ -49,16 +46,18 @@ def save(
         If the disk does not take them.
     """
     told = progress or (lambda stage, share: None)
-    check_output(folder, maps.file_names, overwrite=overwrite)
+    displaced = baked.recipe.bake.displaced
+    names = [*baked.maps.file_names, *([baked.displaced_name] if displaced else [])]
+    check_output(folder, names, overwrite=overwrite)
     with whole_output(folder, overwrite=overwrite) as workplace:
         if displaced:
-            from surftex.maps.displace import write_displaced
+            from surftex.bake.displacing import write_displaced
 
             told("displace", 0.0)
-            write_displaced(maps, workplace, threads=threads)
+            write_displaced(baked, workplace, threads=threads, tick=lambda share: told("displace", share))
             told("displace", 1.0)
         told("save", 0.0)
-        maps.write(workplace, threads=threads)
+        baked.maps.write(workplace, threads=threads)
         names = sorted(path.name for path in workplace.iterdir())
     told("save", 1.0)
     return [Path(folder) / name for name in names]

@@ -37,21 +37,16 @@ def run(options: Namespace) -> None:
     _check(folder, recipe, overwrite=options.overwrite)
     _announce(options)
 
-    from surftex.bake.bake import bake
+    from surftex.bake.bake import run as bake_run
     from surftex.bake.saving import save
     from surftex.kernels import store
 
     threads = options.threads
     with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
-        maps = bake(recipe, features=options.features, threads=threads, tile=options.tile, progress=watch)
-        paths = save(
-            maps,
-            folder,
-            displaced=recipe.bake.displaced,
-            overwrite=options.overwrite,
-            threads=threads,
-            progress=watch,
+        baked = bake_run(
+            recipe, features=options.features, threads=threads, tile=options.tile, progress=watch
         )
+        paths = save(baked, folder, overwrite=options.overwrite, threads=threads, progress=watch)
     store.mark_warm()
     report = json.loads((folder / "report.json").read_text("utf-8"))
     if not options.quiet:
@@ -108,7 +103,8 @@ def make_recipe(options: Namespace) -> "Recipe":
         uv=options.uv,
         unwrapper=options.unwrapper,
         max_features=options.max_features,
-        displaced=options.displaced or None,
+        displaced=options.displaced or options.displaced_format is not None or None,
+        displaced_format=options.displaced_format,
     )
     mesh = recipe.mesh
     if not own:

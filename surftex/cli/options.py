@@ -142,6 +142,11 @@ def _bake(parser: Parser) -> None:
     parser.add_argument("--features", metavar="FILE.npz", help="start from the features of an earlier bake")
     parser.add_argument("--displaced", action="store_true", help="write the displaced mesh as well")
     parser.add_argument(
+        "--displaced-format",
+        choices=["glb", "obj", "ply", "stl"],
+        help="of the displaced mesh (default: glb)",
+    )
+    parser.add_argument(
         "--max-features", type=_whole, metavar="N", help="refuse beyond this (default: 5000000)"
     )
     parser.add_argument("--udim", action="store_true", help=argparse.SUPPRESS)

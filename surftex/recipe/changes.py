@@ -45,14 +45,13 @@ def change(values: dict[str, Any], text: str) -> Path:
 
 
 def _put(values: dict[str, Any], path: Path, value: Any, text: str) -> None:
-    node: Any = values
-    for step in path[:-1]:
-        if isinstance(node, dict):
-            node.setdefault(step, {})
-        node = node[step]
-        if not isinstance(node, (dict, list)):
+    in_layer = path[0] == "layer"
+    table: Any = values["layer"][path[1]] if in_layer else values
+    for step in path[2 if in_layer else 0 : -1]:
+        table = table.setdefault(step, {})
+        if not isinstance(table, dict):
             raise RecipeError(f"--set {text}: {step} is no table")
-    node[path[-1]] = value
+    table[path[-1]] = value
 
 
 def _path(values: dict[str, Any], names: list[str], text: str) -> Path:

@@ -67,6 +67,10 @@ class BakeSettings(BaseModel):
         default=False, description="Even out what is left of seams by least squares."
     )
     displaced: StrictBool = Field(default=False, description="Write the displaced mesh as well.")
+    displaced_format: Literal["glb", "obj", "ply", "stl"] = "glb"
+    displaced_edge: PositiveMillimetres | None = Field(
+        default=None, description="Longest edge of the displaced mesh; two texels if not given."
+    )
     max_features: Annotated[StrictInt, Field(ge=1)] = 5_000_000
 
     @field_validator("maps")

@@ -1,5 +1,6 @@
 """A whole bake: what comes back, the report, and that threads, tiles and saved features change no byte."""
 
+import importlib
 import json
 
 import numpy as np
@@ -153,14 +154,12 @@ def test_running_out_of_memory_is_told_in_a_line(monkeypatch):
     def exhausted(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("surftex.bake.pages.bake_pages", exhausted)
+    monkeypatch.setattr(importlib.import_module("surftex.bake.pages"), "bake_pages", exhausted)
     with pytest.raises(WorkError, match="not enough memory for 32 x 32"):
         sx.bake(sphere(20.0, subdivisions=1), Waves(), resolution=32)
 
 
 def test_the_room_and_the_function_share_a_name():
-    import importlib
-
     import surftex
 
     room = importlib.import_module("surftex.bake")
@@ -185,3 +184,23 @@ def test_equalising_lowers_the_jumps_at_seams_and_says_what_it_moved():
         assert 0 < moved["rms"] <= moved["max"] <= np.abs(even[name] - plain[name]).max() * 1.01
     assert even["region"].tobytes() == plain["region"].tobytes()
     assert "equalised" not in plain.report
+
+
+@pytest.mark.parametrize("kind", ["stl", "obj"])
+def test_the_displaced_mesh_is_the_relief_that_the_maps_show(tmp_path, kind):
+    from surftex.bake.bake import run
+    from surftex.bake.saving import save
+
+    ball = sphere(20.0, subdivisions=3)
+    material = Waves(height=1.0, wavelength=15.0)
+    recipe = sx.Recipe.of(material, resolution=128, displaced=True, displaced_format=kind)
+    baked = run(recipe, ball)
+    paths = save(baked, tmp_path / "out")
+    assert tmp_path / "out" / f"sphere_displaced.{kind}" in paths
+    raised = sx.load(tmp_path / "out" / f"sphere_displaced.{kind}", units="mm")
+    radius = np.linalg.norm(raised.vertices + raised.origin_mm, axis=1)
+    assert raised.border_loops == 0
+    assert radius.max() == pytest.approx(20 + baked.maps["height"].max(), abs=0.15)
+    assert radius.min() == pytest.approx(20 + baked.maps["height"].min(), abs=0.3)
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert f"sphere_displaced.{kind}" in report["outputs"]
