@@ -67,7 +67,7 @@ def dome(ratio: Float, exponent: float, cell_mm: Float | float, footprint_mm: Fl
         0 to 1.
     """
     q = np.clip(ratio, 0, 1).astype(np.float32)
-    shape = 1 - (q * q if exponent == 2 else np.power(q, np.float32(exponent)))
+    shape = 1 - (q * q if exponent == 2 else np.power(q, np.float32(exponent), dtype=np.float32))
     mean = np.float32(exponent / (exponent + 2))
     return mean + (shape - mean) * visible(np.asarray(cell_mm, np.float32), footprint_mm)
 
@@ -88,7 +88,7 @@ def visible(size_mm: Float | float, footprint_mm: Float) -> Float:
         1 where the patch is small, 0 where it is larger than the variation.
     """
     t = footprint_mm.astype(np.float32) / np.maximum(np.asarray(size_mm, np.float32), np.float32(1e-30))
-    fade = np.clip(2 - 2.5 * t, 0, 1)
+    fade = np.clip(2 - 2.5 * t, 0, 1).astype(np.float32, copy=False)
     return fade * fade * (3 - 2 * fade)
 
 

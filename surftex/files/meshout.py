@@ -131,4 +131,6 @@ def _glb(
     scene = trimesh.Scene()
     scene.add_geometry(mesh, node_name=name, geom_name=name)
     data = scene.export(file_type="glb", include_normals=True)
-    return data if isinstance(data, bytes) else bytes(data)
+    if not isinstance(data, bytes):
+        raise TypeError(f"trimesh exported a glb as {type(data).__name__}, not as bytes")
+    return data

@@ -136,7 +136,9 @@ class CurvePieces:
     @property
     def curve_length_mm(self) -> NDArray[np.float64]:
         """(curve_count,) length of each curve; 0 for a number without pieces."""
-        return np.bincount(self.curve, self.length_mm, minlength=self.curve_count)
+        return np.bincount(self.curve, self.length_mm, minlength=self.curve_count).astype(
+            np.float64, copy=False
+        )
 
     def selected(self, curves: ArrayLike) -> "CurvePieces":
         """Keep some curves, renumbered from 0 in the order of their numbers.

@@ -6,16 +6,24 @@ user's cache folder, where it outlives a reinstall.
 """
 
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import platformdirs
 
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(platformdirs.user_cache_dir("surftex")) / "kernels"))
 
-import numba  # noqa: E402  (the cache folder is read when numba is imported)
+import numba  # after the line above: the cache folder is read when numba is imported
 
-kernel = numba.njit(cache=True, error_model="numpy", nogil=True)
-"""Decorator of every kernel."""
+Result = TypeVar("Result")
+Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
 
-part = numba.njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_ALL: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+_INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+kernel: Decorator = numba.njit(cache=True, **_ALL)
+"""Decorator of every kernel. Arguments are checked by numba, by the types of the arrays that come in."""
+
+part: Decorator = numba.njit(**_ALL, **_INNER)
 """Decorator of what only kernels call: compiled into them, without the door that Python would need."""

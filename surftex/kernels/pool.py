@@ -24,7 +24,11 @@ def thread_count(threads: int | None) -> int:
     threads : int
         At least 1.
     """
-    return max(1, threads) if threads is not None else max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
+    return (
+        max(1, threads)
+        if threads is not None
+        else max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
+    )
 
 
 def slices(

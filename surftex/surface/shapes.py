@@ -6,7 +6,7 @@ from surftex.surface.surface import Surface
 
 
 def plane(width_mm: float = 10.0, height_mm: float | None = None, *, cells: int = 16) -> Surface:
-    """A flat rectangle in the xy plane, facing +z, with its own unwrap.
+    """Make a flat rectangle in the xy plane, facing +z, with its own unwrap.
 
     Parameters
     ----------
@@ -35,11 +35,13 @@ def plane(width_mm: float = 10.0, height_mm: float | None = None, *, cells: int 
     faces = np.stack([first, second], axis=1).reshape(-1, 3)
     scale = np.array([width_mm, height_mm])
     square = unit * scale / scale.max()
-    return Surface.from_arrays(np.column_stack([unit * scale, np.zeros(len(unit))]), faces, corner_uv=square[faces], name="plane")
+    return Surface.from_arrays(
+        np.column_stack([unit * scale, np.zeros(len(unit))]), faces, corner_uv=square[faces], name="plane"
+    )
 
 
 def sphere(radius_mm: float = 40.0, *, subdivisions: int = 3) -> Surface:
-    """A ball from a subdivided icosahedron.
+    """Make a ball from a subdivided icosahedron.
 
     Parameters
     ----------
@@ -54,11 +56,14 @@ def sphere(radius_mm: float = 40.0, *, subdivisions: int = 3) -> Surface:
         Closed, centred at the origin.
     """
     golden = (1 + 5**0.5) / 2
-    points = np.array([[-1, golden, 0], [1, golden, 0], [-1, -golden, 0], [1, -golden, 0], [0, -1, golden], [0, 1, golden],
-                       [0, -1, -golden], [0, 1, -golden], [golden, 0, -1], [golden, 0, 1], [-golden, 0, -1], [-golden, 0, 1]])
-    faces = np.array([[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2],
-                      [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11],
-                      [6, 2, 10], [8, 6, 7], [9, 8, 1]])
+    points = np.array([
+        [-1, golden, 0], [1, golden, 0], [-1, -golden, 0], [1, -golden, 0], [0, -1, golden], [0, 1, golden],
+        [0, -1, -golden], [0, 1, -golden], [golden, 0, -1], [golden, 0, 1], [-golden, 0, -1], [-golden, 0, 1],
+    ])  # fmt: skip
+    faces = np.array([
+        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
+        [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+    ])  # fmt: skip
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
     for _ in range(subdivisions):
         points, faces = midpoint_subdivided(points, faces)
@@ -88,20 +93,26 @@ def midpoint_subdivided(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarr
     middle = len(points) + index.reshape(-1, 3)
     a, b, c = faces.T
     ab, bc, ca = middle.T
-    children = np.stack([np.stack(f, axis=1) for f in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))], axis=1)
+    children = np.stack(
+        [np.stack(f, axis=1) for f in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))], axis=1
+    )
     return np.concatenate([points, points[edges].mean(axis=1)]), children.reshape(-1, 3)
 
 
 def _revolved_grid(columns: int, rows: int, *, wrap_rows: bool) -> np.ndarray:
     """Faces of a grid that closes in its columns, and in its rows if told."""
-    i, j = (grid.ravel() for grid in np.meshgrid(np.arange(columns), np.arange(rows if wrap_rows else rows - 1)))
+    i, j = (
+        grid.ravel() for grid in np.meshgrid(np.arange(columns), np.arange(rows if wrap_rows else rows - 1))
+    )
     right, up = (i + 1) % columns, (j + 1) % rows
     a, b, c, d = j * columns + i, j * columns + right, up * columns + right, up * columns + i
     return np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1).reshape(-1, 3)
 
 
-def cylinder(radius_mm: float = 20.0, height_mm: float = 60.0, *, columns: int = 48, rows: int = 24) -> Surface:
-    """An open tube around the z axis, facing outward.
+def cylinder(
+    radius_mm: float = 20.0, height_mm: float = 60.0, *, columns: int = 48, rows: int = 24
+) -> Surface:
+    """Make an open tube around the z axis, facing outward.
 
     Parameters
     ----------
@@ -125,7 +136,7 @@ def cylinder(radius_mm: float = 20.0, height_mm: float = 60.0, *, columns: int =
 
 
 def torus(ring_mm: float = 30.0, tube_mm: float = 12.0, *, columns: int = 72, rows: int = 36) -> Surface:
-    """A ring around the z axis, facing outward.
+    """Make a ring around the z axis, facing outward.
 
     Parameters
     ----------
@@ -145,5 +156,7 @@ def torus(ring_mm: float = 30.0, tube_mm: float = 12.0, *, columns: int = 72, ro
     """
     angle, tilt = np.meshgrid(np.arange(columns) * 2 * np.pi / columns, np.arange(rows) * 2 * np.pi / rows)
     away = ring_mm + tube_mm * np.cos(tilt)
-    points = np.stack([away * np.cos(angle), away * np.sin(angle), tube_mm * np.sin(tilt)], axis=-1).reshape(-1, 3)
+    points = np.stack([away * np.cos(angle), away * np.sin(angle), tube_mm * np.sin(tilt)], axis=-1).reshape(
+        -1, 3
+    )
     return Surface.from_arrays(points, _revolved_grid(columns, rows, wrap_rows=True), name="torus")

@@ -134,10 +134,14 @@ class Surface:
             faces=frozen(triangles.copy()),
             corner_uv=None
             if corner_uv is None
-            else frozen(checked(corner_uv, "corner_uv", (count, 3, 2), np.float64, error=SurfaceError).copy()),
+            else frozen(
+                checked(corner_uv, "corner_uv", (count, 3, 2), np.float64, error=SurfaceError).copy()
+            ),
             corner_normal=None
             if corner_normal is None
-            else frozen(checked(corner_normal, "corner_normal", (count, 3, 3), np.float64, error=SurfaceError).copy()),
+            else frozen(
+                checked(corner_normal, "corner_normal", (count, 3, 3), np.float64, error=SurfaceError).copy()
+            ),
             part=frozen(
                 np.zeros(count, np.int32)
                 if part is None
@@ -153,12 +157,16 @@ class Surface:
             neighbor_edge=frozen(neighbor_edge),
         )
         if surface.part.min() < 0 or surface.part.max() >= len(surface.part_names):
-            raise SurfaceError(f"part runs from {surface.part.min()} to {surface.part.max()}, but there are "
-                               f"{len(surface.part_names)} part names")
+            raise SurfaceError(
+                f"part runs from {surface.part.min()} to {surface.part.max()}, but there are "
+                f"{len(surface.part_names)} part names"
+            )
         flat = np.flatnonzero(~(surface.face_area_mm2 > 0))
         if len(flat):
-            raise SurfaceError(f"{len(flat)} of {count} faces have no area; the first is face {int(flat[0])}. "
-                               "Drop them with surftex.surface.repair.repair")
+            raise SurfaceError(
+                f"{len(flat)} of {count} faces have no area; the first is face {int(flat[0])}. "
+                "Drop them with surftex.surface.repair.repair"
+            )
         return surface
 
     @cached_property
@@ -232,7 +240,9 @@ class Surface:
     @cached_property
     def vertex_angle(self) -> NDArray[np.float64]:
         """(n,) radians: the sum of the corners at a vertex; 2 pi where it is flat and inside."""
-        return frozen(np.bincount(self.faces.ravel(), self.corner_angle.ravel(), minlength=len(self.vertices)))
+        return frozen(
+            np.bincount(self.faces.ravel(), self.corner_angle.ravel(), minlength=len(self.vertices))
+        )
 
     @cached_property
     def on_border(self) -> NDArray[np.bool_]:
@@ -255,16 +265,22 @@ class Surface:
         counts = np.bincount(self.faces.ravel(), minlength=len(self.vertices))
         start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
         corner, angle = np.zeros(len(order), np.int64), np.zeros(len(order))
-        broken = vertex_fans(start, order, self.neighbor, self.neighbor_edge, self.corner_angle, corner, angle)
+        broken = vertex_fans(
+            start, order, self.neighbor, self.neighbor_edge, self.corner_angle, corner, angle
+        )
         if broken >= 0:
-            raise SurfaceError(f"vertex {broken} joins several fans of faces; split it with surftex.surface.repair.repair")
+            raise SurfaceError(
+                f"vertex {broken} joins several fans of faces; split it with surftex.surface.repair.repair"
+            )
         return frozen(start), frozen(corner), frozen(angle)
 
     @cached_property
     def component(self) -> NDArray[np.int32]:
         """(m,) index of the connected component of each face."""
         face, edge = np.nonzero(self.neighbor >= 0)
-        graph = coo_array((np.ones(len(face), np.int8), (face, self.neighbor[face, edge])), shape=(len(self.faces),) * 2)
+        graph = coo_array(
+            (np.ones(len(face), np.int8), (face, self.neighbor[face, edge])), shape=(len(self.faces),) * 2
+        )
         return frozen(connected_components(graph, directed=False)[1].astype(np.int32))
 
     @cached_property
@@ -272,14 +288,20 @@ class Surface:
         """(n, 3) unit normals, weighted by corner angle."""
         weighted = (self.frame[:, None, 2] * self.corner_angle[..., None]).reshape(-1, 3)
         index = self.faces.ravel()
-        total = np.stack([np.bincount(index, weighted[:, k], minlength=len(self.vertices)) for k in range(3)], axis=1)
+        total = np.stack(
+            [np.bincount(index, weighted[:, k], minlength=len(self.vertices)) for k in range(3)], axis=1
+        )
         length = np.linalg.norm(total, axis=1, keepdims=True)
-        return frozen(np.divide(total, length, out=np.tile([0.0, 0.0, 1.0], (len(total), 1)), where=length > 0))
+        return frozen(
+            np.divide(total, length, out=np.tile([0.0, 0.0, 1.0], (len(total), 1)), where=length > 0)
+        )
 
     @cached_property
     def shading_normal(self) -> NDArray[np.float64]:
         """(m, 3, 3) unit normals at the corners: the file's own where it has them, else smooth."""
-        return self.corner_normal if self.corner_normal is not None else frozen(self.vertex_normal[self.faces])
+        return (
+            self.corner_normal if self.corner_normal is not None else frozen(self.vertex_normal[self.faces])
+        )
 
     @cached_property
     def border_loops(self) -> int:
@@ -289,7 +311,9 @@ class Surface:
             return 0
         a, b = self.faces[face, edge], self.faces[face, (edge + 1) % 3]
         used, compact = np.unique(np.concatenate([a, b]), return_inverse=True)
-        graph = coo_array((np.ones(len(a), np.int8), (compact[: len(a)], compact[len(a) :])), shape=(len(used),) * 2)
+        graph = coo_array(
+            (np.ones(len(a), np.int8), (compact[: len(a)], compact[len(a) :])), shape=(len(used),) * 2
+        )
         return int(connected_components(graph, directed=False)[0])
 
 
@@ -303,8 +327,10 @@ def _glue(faces: NDArray[np.int32], vertex_count: int) -> tuple[NDArray[np.int32
     repeated = np.flatnonzero(ordered[1:] == ordered[:-1])
     if len(repeated):
         first, second = np.sort(order[[repeated[0], repeated[0] + 1]]) // 3
-        raise SurfaceError(f"{len(repeated)} edges are run along in the same sense by several faces; the first by faces "
-                           f"{first} and {second}. Mend the mesh with surftex.surface.repair.repair")
+        raise SurfaceError(
+            f"{len(repeated)} edges are run along in the same sense by several faces; the first by faces "
+            f"{first} and {second}. Mend the mesh with surftex.surface.repair.repair"
+        )
     found = np.minimum(np.searchsorted(ordered, end * vertex_count + start), len(key) - 1)
     twin = np.where(ordered[found] == end * vertex_count + start, order[found], -1)
     neighbor = np.where(twin >= 0, twin // 3, -1).astype(np.int32).reshape(-1, 3)

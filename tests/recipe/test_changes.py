@@ -73,6 +73,11 @@ def test_tables_and_the_seed_can_be_set():
             "--set bake.resolution=big: bake.resolution: 'big': should be a valid integer",
         ),
         (ONE, "fields.toe.deeper=1", "toe is no table"),
+        (
+            ONE.replace("[[layer]]", "[[layer]]\ncell_size = [1, 2]", 1),
+            "cell_size.a.b=1",
+            "cell_size is no table",
+        ),
         (ONE, "fields.a=fields", "unknown field 'fields'"),
         (ONE, "cell_size=1\nseed = 3", "cell_size: '1\\nseed = 3'"),
     ],

@@ -16,7 +16,7 @@ Model = TypeVar("Model", bound=BaseModel)
 @cache
 def _shelf(kind: str) -> dict[str, dict[str, Any]]:
     shelf = {}
-    for file in sorted(files(__package__).joinpath(kind).iterdir(), key=lambda file: file.name):
+    for file in sorted(files(__name__).joinpath(kind).iterdir(), key=lambda file: file.name):
         if file.name.endswith(".toml"):
             shelf[file.name.removesuffix(".toml")] = tomllib.loads(file.read_text("utf-8"))
     return shelf
