@@ -1,6 +1,6 @@
-"""Seams, measured: how much a map jumps where two charts meet, per map and mip, and how that compares to what
-bilinear lookup gets wrong inside the charts anyway.
+"""Seams, measured: how much a map jumps where two charts meet, per map and mip.
 
+The yardstick is what bilinear lookup gets wrong inside the charts anyway.
 Every seam edge is sampled twice per texel; both its sides are looked up bilinearly, as a renderer does.
 """
 
@@ -71,7 +71,9 @@ class Jump:
         if len(difference) == 0:
             return Jump(0.0, 0.0, 0.0)
         return Jump(
-            float(np.sqrt((difference**2).mean())), float(np.percentile(difference, 99)), float(difference.max())
+            float(np.sqrt((difference**2).mean())),
+            float(np.percentile(difference, 99)),
+            float(difference.max()),
         )
 
     def as_dict(self) -> dict[str, float]:
@@ -163,7 +165,9 @@ def seam_jumps(
         if decode is not None:
             here, there = decode(here, samples.here), decode(there, samples.there)
         difference = here - there
-        jumps.append(Jump.of(np.abs(difference) if difference.ndim == 1 else np.linalg.norm(difference, axis=1)))
+        jumps.append(
+            Jump.of(np.abs(difference) if difference.ndim == 1 else np.linalg.norm(difference, axis=1))
+        )
     return jumps
 
 
@@ -196,7 +200,13 @@ def seam_report(
         ``length_mm``, ``samples``, ``maps``: per name ``rms``, ``p99``, ``max`` of mip 0 and a list ``mips``, all in
         the map's own unit; ``max``, ``rms``: the worst map's, as shares of its range of values.
     """
-    report: dict[str, Any] = {"length_mm": atlas.seam_length_mm(surface), "samples": 0, "max": 0.0, "rms": 0.0, "maps": {}}
+    report: dict[str, Any] = {
+        "length_mm": atlas.seam_length_mm(surface),
+        "samples": 0,
+        "max": 0.0,
+        "rms": 0.0,
+        "maps": {},
+    }
     placed: dict[int, SeamSamples] = {}
     for name, image in images.items():
         side = image.shape[0]
@@ -266,7 +276,7 @@ def probe_seams(
     texel_mm = 1 / atlas.texels_per_mm(surface, texels.width)
     core = np.zeros(texels.width * texels.height, bool)
     core[texels.texel[texels.core]] = True
-    inside = binary_erosion(core.reshape(texels.height, texels.width), iterations=3)
+    inside = np.asarray(binary_erosion(core.reshape(texels.height, texels.width), iterations=3), bool)
     points = _spread(surface, 100_000)
     uv = np.einsum("pk,pkc->pc", points.barycentric, atlas.corner_uv[points.face])
     column = np.clip((uv[:, 0] * texels.width).astype(np.int64), 0, texels.width - 1)
@@ -295,7 +305,9 @@ def _spread(surface: Surface, count: int) -> SurfacePoints:
     """Spread points evenly over the area."""
     draw = stream(0, "charts", "interior").uniform(count, 3)
     cumulative = np.cumsum(surface.face_area_mm2)
-    face = np.minimum(np.searchsorted(cumulative, draw[:, 0] * cumulative[-1]), len(cumulative) - 1).astype(np.int32)
+    face = np.minimum(np.searchsorted(cumulative, draw[:, 0] * cumulative[-1]), len(cumulative) - 1).astype(
+        np.int32
+    )
     root = np.sqrt(draw[:, 1])
     weight = np.stack([1 - root, root * (1 - draw[:, 2]), root * draw[:, 2]], axis=1)
     return SurfacePoints.trusted(face, weight)

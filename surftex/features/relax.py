@@ -63,9 +63,7 @@ def relaxed(
         samples = area_points(surface, stream.uniform(SAMPLES * count, 3, first=turn * SAMPLES * count))
         buckets = Buckets.of(surface, float(np.median(sites.axis_mm)))
         records = flood_points(surface, points, reach * sites.axis_mm[:, 0], buckets=buckets, threads=threads)
-        near, distance, vector = nearest(
-            records, samples, 1 if length is None else 6, vectors=True, threads=threads
-        )
+        near, _, vector = nearest(records, samples, 1 if length is None else 6, vectors=True, threads=threads)
         if length is not None:
             measured = length(vector.reshape(-1, 2), np.maximum(near, 0).ravel(), angle).reshape(near.shape)
             best = np.argmin(np.where(near >= 0, measured, np.inf), axis=1)

@@ -34,7 +34,7 @@ def geodesic_distance(
     method: Literal["auto", "exact", "heat"] = "auto",
     threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """Walking distance from the nearest of some sources.
+    """Measure the walking distance from the nearest of some sources.
 
     Parameters
     ----------

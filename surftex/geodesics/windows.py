@@ -249,7 +249,7 @@ def within(
 
 
 def where(records: Records, points: SurfacePoints) -> tuple[Any, ...]:
-    """The arguments that every gathering kernel shares."""
+    """Collect the arguments that every gathering kernel shares."""
     buckets = records.buckets
     return (
         read_only_view(points.face, np.int32),

@@ -39,7 +39,7 @@ def distance_to(kind, row, r, x, y):
 
 @part
 def leaving_direction(kind, row, r, x, y):
-    """Unit direction, in the frame of the source's face, in which the path to (x, y) leaves a point source."""
+    """Find the unit direction, in the frame of the source's face, in which the path to (x, y) leaves a point source."""
     c, s = row[r, 7], row[r, 8]
     if kind == 1:
         return c, s

@@ -33,7 +33,7 @@ def nearest_sources(
     distance,
     found,
 ):
-    """The k nearest sources of samples [begin, end).
+    """Find the k nearest sources of samples [begin, end).
 
     source (n, k) int32 is given as -1, distance (n, k) as inf, and found (n, k) int32, the row, as -1.
     """
@@ -112,8 +112,8 @@ def sources_within(
 ):
     """All sources within their radius of samples [begin, end), ordered by (distance, source).
 
-    With fill == 0 an upper bound of their number goes to point_start[i + 1]. With 1, sample i writes from point_start[i] on, and
-    point_start[i + 1] stays as it is: unused places keep source -1.
+    With fill == 0 an upper bound of their number goes to point_start[i + 1]. With 1, sample i writes from
+    point_start[i] on, and point_start[i + 1] stays as it is: unused places keep source -1.
     """
     for i in range(begin, end):
         f = face[i]

@@ -73,7 +73,8 @@ def plates(
     site (n, k) int32, -1 for none; distance (n, k) float64 mm, ascending, inf for none;
     start (s+1,) int64, other (l,) int32, length (l,) float64 mm: distances between neighbour sites; place (s, 3) float64 mm;
     shift (s, 2) float64 mm^2: how each site answers to the wavering; wave_a, wave_b (n,) float32;
-    polygon: 1 for plates with corners, 0 for the sixth norm that rounds them; rounding_mm: of the corners of borders, 0 for none;
+    polygon: 1 for plates with corners, 0 for the sixth norm that rounds them;
+    rounding_mm: of the corners of borders, 0 for none;
     key uint64, blend_mm: a random number for each furrow, and how far furrows blend where they meet;
     away, near (k,) float64: scratch.
     -> own (n,) int32 region, -1 for none; ratio (n,) float32: 0 at the site, 1 on the border;

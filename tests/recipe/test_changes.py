@@ -74,9 +74,9 @@ def test_tables_and_the_seed_can_be_set():
         ),
         (ONE, "fields.toe.deeper=1", "toe is no table"),
         (
-            ONE.replace("[[layer]]", "[[layer]]\ncell_size = [1, 2]", 1),
-            "cell_size.a.b=1",
-            "cell_size is no table",
+            ONE.replace("[fields]", "color = [0.2, 0.1, 0.1]\n[fields]"),
+            "layer.color.red=1",
+            "color is no table",
         ),
         (ONE, "fields.a=fields", "unknown field 'fields'"),
         (ONE, "cell_size=1\nseed = 3", "cell_size: '1\\nseed = 3'"),

@@ -54,11 +54,17 @@ def cracks(
     last = np.append(first[1:], len(pieces)) - 1
     root = np.concatenate([first, last])
     out = np.concatenate([pieces.start[first] - pieces.end[first], pieces.end[last] - pieces.start[last]])
-    vertex = np.concatenate([graph.edge_vertex[pieces.curve[first], 0], graph.edge_vertex[pieces.curve[last], 1]])
+    vertex = np.concatenate(
+        [graph.edge_vertex[pieces.curve[first], 0], graph.edge_vertex[pieces.curve[last], 1]]
+    )
     at_start = np.arange(len(root)) < len(first)
     where = SurfacePoints.trusted(
         pieces.face[root],
-        np.where(at_start[:, None], pieces.points(surface, 0.0).barycentric[root], pieces.points(surface, 1.0).barycentric[root]),
+        np.where(
+            at_start[:, None],
+            pieces.points(surface, 0.0).barycentric[root],
+            pieces.points(surface, 1.0).barycentric[root],
+        ),
     )
     heading = np.arctan2(out[:, 1], out[:, 0])
     along = np.abs(np.cos(heading - stress.at(where)))

@@ -11,6 +11,7 @@ from surftex.materials.leather.cells import Plates
 from surftex.materials.leather.model import Leather
 
 Float = NDArray[np.float32]
+Part = NDArray[np.floating] | np.float32
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,16 +82,16 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
     furrow = valley(
         plates.border_mm, leather.sulcus_width * (0.5 + 0.5 * share), footprint_mm, dimension=1
     ) * share  # fmt: skip
-    if skeleton.crack_mm is not None:
+    if skeleton.crack_mm is not None and skeleton.crack_share is not None:
         width = leather.sulcus_width * skeleton.crack_share
         crack = valley(skeleton.crack_mm, width, footprint_mm, dimension=1) * skeleton.crack_share
         furrow = np.maximum(furrow, crack) if leather.crack_taper else np.minimum(furrow + crack, 1)
     relief = -leather.sulcus_depth * furrow
 
-    wrinkle = np.float32(0)
-    if skeleton.wrinkle_mm is not None and skeleton.wrinkle_side is not None:
-        wrinkle = valley(skeleton.wrinkle_mm, leather.wrinkle_width, footprint_mm, dimension=1)
-        wrinkle = wrinkle * skeleton.wrinkle_share
+    wrinkle: Part = np.float32(0)
+    left, side = skeleton.wrinkle_share, skeleton.wrinkle_side
+    if skeleton.wrinkle_mm is not None and left is not None and side is not None:
+        wrinkle = left * valley(skeleton.wrinkle_mm, leather.wrinkle_width, footprint_mm, dimension=1)
         relief = relief - leather.wrinkle_depth * wrinkle
         if leather.wrinkle_fold:
             reach = 2 * leather.wrinkle_width
@@ -98,18 +99,18 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
                 np.abs(skeleton.wrinkle_mm - leather.wrinkle_width), reach, footprint_mm, dimension=1
             )
             near = smoothstep(0, leather.wrinkle_width, skeleton.wrinkle_mm)
-            lift = leather.wrinkle_fold * leather.wrinkle_depth * skeleton.wrinkle_share
-            relief = relief + lift * swell * near * (skeleton.wrinkle_side > 0)
+            lift = leather.wrinkle_fold * leather.wrinkle_depth * left
+            relief = relief + lift * swell * near * (side > 0)
     if skeleton.pocket_mm is not None:
         relief = relief - leather.pocket_depth * valley(
             skeleton.pocket_mm, leather.pocket_width, footprint_mm, dimension=2
         )
-    pore = np.float32(0)
+    pore: Part = np.float32(0)
     if skeleton.pore_mm is not None:
         pore = valley(skeleton.pore_mm, leather.pore_width, footprint_mm, dimension=2)
         relief = relief - leather.pore_depth * pore
 
-    crown = np.float32(0)
+    crown: Part = np.float32(0)
     if skeleton.crown_mm is not None and skeleton.crown_scale is not None:
         t = np.minimum(skeleton.crown_mm / (leather.crown_width * skeleton.crown_scale), 1)
         crown = (1 - t * t) ** 2
@@ -135,10 +136,10 @@ def _finish(
     leather: Leather,
     skeleton: Skeleton,
     crest: Float,
-    furrow: Float,
-    wrinkle: Float,
-    pore: Float,
-    crown: Float,
+    furrow: NDArray[np.floating],
+    wrinkle: Part,
+    pore: Part,
+    crown: Part,
 ) -> dict[str, NDArray]:
     """Dye pools in furrows, wrinkles and pores; crests are worn, polished and paler; the tone drifts."""
     drift = skeleton.mottle

@@ -111,7 +111,7 @@ def point_table(points: SurfacePoints) -> NDArray:
 
 
 def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[SurfacePoints], NDArray]:
-    """A number as it is; an expression as a function of points."""
+    """Take a number as it is, an expression as a function of points."""
     if isinstance(value, str):
         try:
             return names.scalar(value)

@@ -129,7 +129,16 @@ class _Furrows:
         at_vertex.pop(-1, None)
         length = pieces.curve_length_mm[number]
         return _Furrows(
-            graph, number, first, last + 1, length, leaving, at_vertex, between, start.positions(surface), len(number)
+            graph,
+            number,
+            first,
+            last + 1,
+            length,
+            leaving,
+            at_vertex,
+            between,
+            start.positions(surface),
+            len(number),
         )
 
     def along(self, edge: int, side: int) -> list[Piece]:
@@ -201,7 +210,9 @@ class _Walk:
         face, _, place = self.pieces[-1]
         origin = _point(self.surface, face, place)
         heading = float(self.stress.at(origin)[0])
-        crossing = trace(self.surface, origin, np.array([heading]), np.array([min(self.reach_mm, self.left_mm)])).pieces
+        crossing = trace(
+            self.surface, origin, np.array([heading]), np.array([min(self.reach_mm, self.left_mm)])
+        ).pieces
         if len(crossing) == 0:
             self.left_mm = 0.0
             return []
@@ -232,7 +243,9 @@ class _Walk:
     def _halves(self, regions: tuple[int, ...]) -> list[tuple[int, int, list[Piece], float]]:
         """Both ways along the furrow between two regions, from where the walk has met it."""
         furrows = self.furrows
-        candidates = [edge for edge in furrows.between.get((regions[0], regions[1]), []) if edge not in self.seen]
+        candidates = [
+            edge for edge in furrows.between.get((regions[0], regions[1]), []) if edge not in self.seen
+        ]
         if not candidates:
             return []
         face, _, place = self.pieces[-1]
@@ -244,7 +257,10 @@ class _Walk:
         ]
         _, edge, row = min(near)
         pieces, options = furrows.graph.pieces, []
-        for side, rest in ((0, range(row + 1, furrows.last[edge])), (1, range(row - 1, furrows.first[edge] - 1, -1))):
+        for side, rest in (
+            (0, range(row + 1, furrows.last[edge])),
+            (1, range(row - 1, furrows.first[edge] - 1, -1)),
+        ):
             half = [
                 (int(pieces.face[i]), pieces.start[i], pieces.end[i])
                 if side == 0
@@ -253,7 +269,9 @@ class _Walk:
             ]
             if half:
                 step = half[0][2] - half[0][1]
-                turn = np.arctan2(step[1], step[0]) - float(self.stress.at(_point(self.surface, half[0][0], half[0][1]))[0])
+                turn = np.arctan2(step[1], step[0]) - float(
+                    self.stress.at(_point(self.surface, half[0][0], half[0][1]))[0]
+                )
                 options.append((edge, side, half, _turn(turn)))
         return options
 
