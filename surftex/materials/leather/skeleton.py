@@ -173,15 +173,17 @@ def _pores(
 ) -> SurfacePoints:
     """Pores, alone or in groups, by area; a mask thins them and moves none."""
     random = stream(seed, "leather", "pores")
-    density, weight = leather.pore_density, None
+    density = leather.pore_density
+    weight: Callable[[SurfacePoints], NDArray] | None = None
     if isinstance(density, str):
         field = names.scalar(density)
         peak = float(np.max(field(scatter(surface, stream(seed, "leather", "pore peak"), count=4096)))) * 1.25
-        density = min(max(peak, 0.0), PORE_PER_MM2)
+        most = density = min(max(peak, 0.0), PORE_PER_MM2)
 
-        def weight(points: SurfacePoints) -> NDArray:
-            return np.clip(field(points) / max(density, 1e-12), 0, 1)
+        def share(points: SurfacePoints) -> NDArray:
+            return np.clip(field(points) / max(most, 1e-12), 0, 1)
 
+        weight = share
     expected = density * surface.area_mm2
     if expected > max_features:
         raise RecipeError(
