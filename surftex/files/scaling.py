@@ -1,10 +1,15 @@
 """Millimetres in a unit of a file: said by the user, by the format, or guessed from the size."""
 
+from math import log
+
 from surftex.errors import MeshFileError, RecipeError
 from surftex.units import MM_PER_UNIT, length_mm
 
 SMALLEST_MM, LARGEST_MM = 20.0, 5000.0
 """A guess must put the longest side between these."""
+
+LIKELY_MM = 300.0
+"""Where several units do, the one that comes nearest to this by ratio is taken."""
 
 
 def mm_per_unit(
@@ -53,13 +58,14 @@ def mm_per_unit(
         return MM_PER_UNIT[units], []
     if own is not None:
         return own, []
-    for name in ("m", "cm", "mm"):
-        length = longest_side * MM_PER_UNIT[name]
-        if SMALLEST_MM <= length <= LARGEST_MM:
-            return MM_PER_UNIT[name], [
-                f"the file names no unit; taken as {name}, its longest side is {length:.4g} mm "
-                "(--units or --size overrules this)"
-            ]
+    lengths = {name: longest_side * MM_PER_UNIT[name] for name in ("m", "cm", "mm")}
+    plausible = [name for name, length in lengths.items() if SMALLEST_MM <= length <= LARGEST_MM]
+    if plausible:
+        unit = min(plausible, key=lambda name: round(abs(log(lengths[name] / LIKELY_MM)), 9))
+        return MM_PER_UNIT[unit], [
+            f"the file names no unit; taken as {unit}, its longest side is {lengths[unit]:.4g} mm "
+            "(--units or --size overrules this)"
+        ]
     raise MeshFileError(
         f"{where}: names no unit, and as metres, centimetres or millimetres its longest side "
         f"of {longest_side:.4g} is not between 20 mm and 5 m; give --units or --size"

@@ -22,11 +22,11 @@ def _step(i, other, chart, host, height, stretch, along):
 
 
 @kernel
-def gradients(first, last, width, texel, index, chart, host, turn, height, stretch, axes, gradient):
-    """Find the height's gradient in the frame of each texel's face, by central differences.
+def gradients(first, last, width, texel, index, chart, host, height, stretch, axes, gradient):
+    """Find the height's gradient in the frame of each texel's host face, by central differences.
 
     texel (t,) int64 places on the page; index (pixels,) int32: its inverse, -1 = none; chart (m,) int32;
-    host (t,) int32; turn (t,) float32; height (t,) float32 mm; stretch (m, 3), axes (m, 2, 2) float64
+    host (t,) int32; height (t,) float32 mm; stretch (m, 3), axes (m, 2, 2) float64
     -> gradient (t, 2) float32: rows first to last.
     """
     pixels = len(index)
@@ -52,53 +52,18 @@ def gradients(first, last, width, texel, index, chart, host, turn, height, stret
         gx, gy = 0.0, 0.0
         if determinant != 0.0:
             gx, gy = (a * by - b * ay) / determinant, (b * ax - a * bx) / determinant
-        hx = axes[face, 0, 0] * gx + axes[face, 0, 1] * gy
-        hy = axes[face, 1, 0] * gx + axes[face, 1, 1] * gy
-        if turn[i] != 0.0:
-            c, s = np.cos(float(turn[i])), np.sin(float(turn[i]))
-            hx, hy = c * hx - s * hy, s * hx + c * hy
-        gradient[i, 0] = hx
-        gradient[i, 1] = hy
+        gradient[i, 0] = axes[face, 0, 0] * gx + axes[face, 0, 1] * gy
+        gradient[i, 1] = axes[face, 1, 0] * gx + axes[face, 1, 1] * gy
 
 
 @kernel
-def bent_normals(first, last, gradient, face, barycentric, frame, shading, normal):
-    """Bend shading normals by the gradient of a height, laid into their plane; unit length.
+def encode_slopes(first, last, width, texel, gradient, host, weight, frame, shading, tangent, normal):
+    """Bend the shading normal of each texel's host face by a gradient, told in the host's own tangent frame.
 
-    gradient (t, 2) float32 in the frame of `face` (t,) int32; barycentric (t, 3) float64; frame (m, 3, 3),
-    shading (m, 3, 3) float64 -> normal (t, 3) float32: rows first to last.
-    """
-    for i in range(first, last):
-        f = face[i]
-        p, q, r = barycentric[i, 0], barycentric[i, 1], barycentric[i, 2]
-        nx = p * shading[f, 0, 0] + q * shading[f, 1, 0] + r * shading[f, 2, 0]
-        ny = p * shading[f, 0, 1] + q * shading[f, 1, 1] + r * shading[f, 2, 1]
-        nz = p * shading[f, 0, 2] + q * shading[f, 1, 2] + r * shading[f, 2, 2]
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        if length < 1e-9:
-            nx, ny, nz, length = frame[f, 2, 0], frame[f, 2, 1], frame[f, 2, 2], 1.0
-        nx, ny, nz = nx / length, ny / length, nz / length
-        gx = gradient[i, 0] * frame[f, 0, 0] + gradient[i, 1] * frame[f, 1, 0]
-        gy = gradient[i, 0] * frame[f, 0, 1] + gradient[i, 1] * frame[f, 1, 1]
-        gz = gradient[i, 0] * frame[f, 0, 2] + gradient[i, 1] * frame[f, 1, 2]
-        kx, ky, kz = frame[f, 2, 0], frame[f, 2, 1], frame[f, 2, 2]
-        turned = (gx * nx + gy * ny + gz * nz) / max(1.0 + kx * nx + ky * ny + kz * nz, 0.1)
-        nx, ny, nz = (
-            nx - gx + turned * (kx + nx),
-            ny - gy + turned * (ky + ny),
-            nz - gz + turned * (kz + nz),
-        )
-        length = np.sqrt(nx * nx + ny * ny + nz * nz)
-        normal[i, 0], normal[i, 1], normal[i, 2] = nx / length, ny / length, nz / length
-
-
-@kernel
-def encode_normals(first, last, width, texel, host, weight, shading, tangent, normal):
-    """Turn normals, in place, into the interpolated tangent frame of each texel's host face.
-
-    texel (t,) int64; host (t,) int32; weight (m, 3, 3), shading (m, 3, 3), tangent (m, 3, 4) float64; normal
-    (t, 3) float32: rows first to last. Frames are not normalised before use, as in a shader. Beyond the face
-    they are carried on, by at most half of a corner's weight.
+    The gradient is tilted from the plane of the face into that of the shading normal. texel (t,) int64; gradient
+    (t, 2) float32 in the frame of `host` (t,) int32; weight (m, 3, 3), frame (m, 3, 3), shading (m, 3, 3), tangent
+    (m, 3, 4) float64 -> normal (t, 3) float32: rows first to last. Frames are not normalised before use, as in a
+    shader. Beyond the face they are carried on, by at most half of a corner's weight.
     """
     for i in range(first, last):
         f = host[i]
@@ -115,16 +80,22 @@ def encode_normals(first, last, width, texel, host, weight, shading, tangent, no
         tx = p * tangent[f, 0, 0] + q * tangent[f, 1, 0] + r * tangent[f, 2, 0]
         ty = p * tangent[f, 0, 1] + q * tangent[f, 1, 1] + r * tangent[f, 2, 1]
         tz = p * tangent[f, 0, 2] + q * tangent[f, 1, 2] + r * tangent[f, 2, 2]
-        sign = tangent[f, 0, 3]
-        bx, by, bz = sign * (ny * tz - nz * ty), sign * (nz * tx - nx * tz), sign * (nx * ty - ny * tx)
-        mx, my, mz = float(normal[i, 0]), float(normal[i, 1]), float(normal[i, 2])
-        ex = mx * (by * nz - bz * ny) + my * (bz * nx - bx * nz) + mz * (bx * ny - by * nx)
-        ey = mx * (ny * tz - nz * ty) + my * (nz * tx - nx * tz) + mz * (nx * ty - ny * tx)
-        ez = mx * (ty * bz - tz * by) + my * (tz * bx - tx * bz) + mz * (tx * by - ty * bx)
-        volume = tx * (by * nz - bz * ny) + ty * (bz * nx - bx * nz) + tz * (bx * ny - by * nx)
+        nn, tt, tn = nx * nx + ny * ny + nz * nz, tx * tx + ty * ty + tz * tz, tx * nx + ty * ny + tz * nz
+        area = nn * tt - tn * tn
+        ex, ey, ez = 0.0, 0.0, 1.0
+        if area > 1e-12:
+            length = np.sqrt(nn)
+            ux, uy, uz = nx / length, ny / length, nz / length
+            kx, ky, kz = frame[f, 2, 0], frame[f, 2, 1], frame[f, 2, 2]
+            gx = gradient[i, 0] * frame[f, 0, 0] + gradient[i, 1] * frame[f, 1, 0]
+            gy = gradient[i, 0] * frame[f, 0, 1] + gradient[i, 1] * frame[f, 1, 1]
+            gz = gradient[i, 0] * frame[f, 0, 2] + gradient[i, 1] * frame[f, 1, 2]
+            tilt = (gx * ux + gy * uy + gz * uz) / max(1.0 + kx * ux + ky * uy + kz * uz, 0.1)
+            gx, gy, gz = gx - tilt * (kx + ux), gy - tilt * (ky + uy), gz - tilt * (kz + uz)
+            gt, gn = gx * tx + gy * ty + gz * tz, gx * nx + gy * ny + gz * nz
+            bx, by, bz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
+            ex = (tn * gn - nn * gt) / area
+            ey = -tangent[f, 0, 3] * (gx * bx + gy * by + gz * bz) / area
+            ez = 1.0 / length - (tt * gn - tn * gt) / area
         length = np.sqrt(ex * ex + ey * ey + ez * ez)
-        if length < 1e-12:
-            ex, ey, ez, length = 0.0, 0.0, 1.0, 1.0
-        elif volume < 0.0:
-            length = -length
         normal[i, 0], normal[i, 1], normal[i, 2] = ex / length, ey / length, ez / length

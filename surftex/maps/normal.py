@@ -1,11 +1,11 @@
 """Normal maps from height: slopes are taken along the surface, and told in the frames that shaders use.
 
 The slope comes from the steps between texels, measured in millimetres of surface, so that neither stretch nor
-rotation of the unwrap changes a normal, and a gutter texel shows the normal of the place that it continues
-to. A normal is the shading normal less the slope; on a faceted mesh the slope is tilted with the shading
-normal, so that facets do not show in the relief. The map holds components along the interpolated MikkTSpace
-tangent, bitangent and normal of the face that the texel lies in: +y is up (OpenGL), and a flat place is (0,
-0, 1).
+rotation of the unwrap changes a normal. A normal is the shading normal less the slope; on a faceted mesh the
+slope is tilted with the shading normal, so that facets do not show in the relief. The map holds components along
+the interpolated MikkTSpace tangent, bitangent and normal of the face that the texel lies in, or whose chart it
+continues: +y is up (OpenGL). Where the height is flat it holds exactly (0, 0, 1), in charts and gutter, so that no
+side of a hard edge takes on the other's normal.
 """
 
 import numpy as np
@@ -62,8 +62,8 @@ def height_gradient(
     Returns
     -------
     gradient : (t, 2) float32
-        mm per mm, in the frame of the face that each texel shows. Not to be trusted beyond a border of the
-        mesh.
+        mm per mm, in the frame of the face that each texel lies in, or whose chart it continues. Not to be
+        trusted beyond a border of the mesh.
     """
     from surftex.kernels.normals import gradients
 
@@ -72,7 +72,7 @@ def height_gradient(
     metric = page_metric(surface, atlas, texels.width, texels.height)
     texel = read_only(texels.texel - texels.rows[0] * texels.width)
     index = texel_index(texels, stopped(surface, texels))
-    host, turn, chart = read_only(texels.host), read_only(texels.turn_rad), read_only(atlas.chart)
+    host, chart = read_only(texels.host), read_only(atlas.chart)
     gradient = np.zeros((count, 2), np.float32)
 
     def work(first: int, last: int) -> None:
@@ -84,7 +84,6 @@ def height_gradient(
             index,
             chart,
             host,
-            turn,
             height,
             metric.stretch,
             metric.axes,
@@ -126,19 +125,29 @@ def normal_map(
     encoded : (t, 3) float32
         Unit vectors along tangent, bitangent and normal; `texels.image` makes a picture of them.
     """
-    from surftex.kernels.normals import bent_normals, encode_normals
+    from surftex.kernels.normals import encode_slopes
 
     gradient = read_only(height_gradient(surface, atlas, texels, height_mm, threads=threads))
     tangents = read_only(surface_tangents(surface, atlas) if tangents is None else tangents)
     metric = page_metric(surface, atlas, texels.width, texels.height)
     shading, frame = read_only(surface.shading_normal), surface.frame
     texel, host = read_only(texels.texel), read_only(texels.host)
-    face, barycentric = read_only(texels.points.face), read_only(texels.points.barycentric)
     encoded = np.zeros((len(gradient), 3), np.float32)
 
     def work(first: int, last: int) -> None:
-        bent_normals(first, last, gradient, face, barycentric, frame, shading, encoded)
-        encode_normals(first, last, texels.width, texel, host, metric.weight, shading, tangents, encoded)
+        encode_slopes(
+            first,
+            last,
+            texels.width,
+            texel,
+            gradient,
+            host,
+            metric.weight,
+            frame,
+            shading,
+            tangents,
+            encoded,
+        )
 
     slices(work, len(gradient), size=_SLICE, threads=threads)
     _mend_border(surface, texels, encoded)

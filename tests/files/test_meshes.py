@@ -47,7 +47,19 @@ def test_gltf_is_metres_and_the_origin_comes_back(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("side", "unit"), [(0.5, "m"), (4.9, "m"), (30, "cm"), (499, "cm"), (600, "mm"), (4999, "mm")]
+    ("side", "unit"),
+    [
+        (0.03, "m"),
+        (0.4, "m"),
+        (2.99, "m"),
+        (3, "m"),  # 3 m and 3 cm are as far from 300 mm
+        (3.01, "cm"),
+        (34, "cm"),
+        (94, "cm"),
+        (96, "mm"),
+        (300, "mm"),
+        (4999, "mm"),
+    ],
 )
 def test_units_are_guessed_by_size(tmp_path, side, unit):
     v, f = sheet()

@@ -60,7 +60,7 @@ def normals(surface, atlas, texels, height, tangents):
     steps = atlas.jacobian_mm(surface, texels.width)
     result = np.zeros((len(texels), 3))
     for i, place in enumerate(texels.texel):
-        face, host = texels.points.face[i], texels.host[i]
+        host = texels.host[i]
         rows, rises = [], []
         for axis, offset in ((0, 1), (1, -texels.width)):
             ahead, behind = where.get(int(place) + offset), where.get(int(place) - offset)
@@ -69,14 +69,11 @@ def normals(surface, atlas, texels, height, tangents):
             rows.append(steps[host][:, axis] * max(count, 1))
             rises.append(float(height[ahead]) - float(height[behind]))
         slope = np.linalg.solve(np.array(rows), rises)
-        turn = texels.turn_rad[i]
-        slope = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ slope
-        normal = texels.points.barycentric[i] @ surface.shading_normal[face]
-        normal = normal / np.linalg.norm(normal) - slope @ surface.frame[face, :2]
         column, row = int(place) % texels.width + 0.5, int(place) // texels.width + 0.5
         corner = np.column_stack([atlas.corner_px(texels.width)[host], np.ones(3)])
         weight = np.linalg.solve(corner.T, [column, row, 1])
         up, along = weight @ surface.shading_normal[host], weight @ tangents[host, :, :3]
+        normal = up / np.linalg.norm(up) - slope @ surface.frame[host, :2]
         basis = np.stack([along, tangents[host, 0, 3] * np.cross(up, along), up], axis=1)
         code = np.linalg.solve(basis, normal)
         result[i] = code / np.linalg.norm(code)
