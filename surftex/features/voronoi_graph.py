@@ -21,7 +21,7 @@ from surftex.surface.points import SurfacePoints
 from surftex.surface.subdivide import Subdivided, subdivided
 from surftex.surface.surface import Surface
 
-STEP = 0.5
+STEP = 0.4
 """Longest edge of the net, in minor semi-axes of the sites."""
 
 REACH = 2.0
@@ -88,56 +88,83 @@ class VoronoiGraph:
             threads=threads,
         )
         known, distance = nearest(records, fine.points, _KNOWN, threads=threads)
-        return _assembled(surface, fine, records, known, distance**2, threads)
+        return _assembled(surface, _Net.of(fine, records, known, distance**2, threads))
 
 
-def _assembled(
-    surface: Surface, fine: Subdivided, records: Records, known: NDArray, square: NDArray, threads: int | None
-) -> VoronoiGraph:
-    owner = known[fine.faces, 0]
-    mixed = np.flatnonzero((owner != owner[:, :1]).any(axis=1) & (owner >= 0).all(axis=1))
-    corner, owner = fine.faces[mixed].astype(np.int64), owner[mixed]
-    parent, weight = fine.parent[mixed], fine.weight[mixed]
+@dataclass(frozen=True, eq=False)
+class _Net:
+    """The triangles with several owners, and the point of a border on each of their edges that has two."""
 
-    # one point on each edge of the net that has two owners
-    ends = np.stack([corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 2)
-    parted = known[ends[:, 0], 0] != known[ends[:, 1], 0]
-    low, high = np.sort(ends[parted], axis=1).T
-    edge, index = np.unique(low * len(known) + high, return_inverse=True)
-    crossing = np.full(3 * len(mixed), -1)
-    crossing[parted] = index
-    crossing = crossing.reshape(-1, 3)
-    first, second = edge // len(known), edge % len(known)
-    seen_in = np.zeros(len(edge), np.int64)
-    seen_in[index[::-1]] = np.flatnonzero(parted)[::-1]
-    share = _equal(surface, records, known, square, first, second, corner, parent, weight, seen_in, threads)
+    known: NDArray
+    square: NDArray
+    owner: NDArray
+    corner: NDArray
+    parent: NDArray
+    weight: NDArray
+    crossing: NDArray
+    first: NDArray
+    second: NDArray
+    share: NDArray
 
+    @staticmethod
+    def of(
+        fine: Subdivided, records: Records, known: NDArray, square: NDArray, threads: int | None
+    ) -> "_Net":
+        owner = known[fine.faces, 0]
+        mixed = np.flatnonzero((owner != owner[:, :1]).any(axis=1) & (owner >= 0).all(axis=1))
+        corner, owner = fine.faces[mixed].astype(np.int64), owner[mixed]
+        ends = np.stack([corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 2)
+        parted = known[ends[:, 0], 0] != known[ends[:, 1], 0]
+        low, high = np.sort(ends[parted], axis=1).T
+        edge, index = np.unique(low * len(known) + high, return_inverse=True)
+        crossing = np.full(3 * len(mixed), -1)
+        crossing[parted] = index
+        seen_in = np.zeros(len(edge), np.int64)
+        seen_in[index[::-1]] = np.flatnonzero(parted)[::-1]
+        first, second = edge // len(known), edge % len(known)
+        parent, weight = fine.parent[mixed], fine.weight[mixed]
+        triangle, side = seen_in // 3, seen_in % 3
+        begin, end = weight[triangle, side], weight[triangle, (side + 1) % 3]
+        turned = (corner[triangle, side] != first)[:, None]
+        share = _equal(
+            records, known, square, first, second, parent[triangle],
+            np.where(turned, end, begin), np.where(turned, begin, end), threads,
+        )  # fmt: skip
+        return _Net(
+            known, square, owner, corner, parent, weight, crossing.reshape(-1, 3), first, second, share
+        )
+
+
+def _assembled(surface: Surface, net: _Net) -> VoronoiGraph:
+    """Chain the segments of the net's triangles into borders."""
+    known, square, owner, corner, crossing = net.known, net.square, net.owner, net.corner, net.crossing
+    parent, weight, first, second = net.parent, net.weight, net.first, net.second
     # triangles with two owners hold a segment, those with three a vertex and three segments
     three = (crossing >= 0).all(axis=1)
     two = np.flatnonzero(~three)
     star = np.flatnonzero(three)
-    node_count = len(edge)
+    node_count = len(first)
     pair = np.sort(np.where(crossing[two] >= 0, crossing[two], -1), axis=1)[:, 1:]
-    segment = np.concatenate([pair, np.stack([crossing[star].ravel(), node_count + np.repeat(np.arange(len(star)), 3)], axis=1)])
+    segment = np.concatenate(
+        [pair, np.stack([crossing[star].ravel(), node_count + np.repeat(np.arange(len(star)), 3)], axis=1)]
+    )
     triangle = np.concatenate([two, np.repeat(star, 3)])
 
     order, flipped, chain, count = _chained(segment, node_count, len(star))
     walked = np.where(flipped[:, None] == 1, segment[order, ::-1], segment[order])
     triangle = triangle[order]
     middle = _vertices(owner[star], corner[star], known, square)
-    place = np.stack(
-        [
-            _place(surface, side, triangle, node_count, edge, len(known), share, corner, parent, weight, star, middle)
-            for side in walked.T
-        ],
-        axis=1,
-    )
+    place = np.stack([_place(surface, net, side, triangle, middle) for side in walked.T], axis=1)
     pieces = CurvePieces.of(parent[triangle], place[:, 0], place[:, 1], chain)
     starts = np.flatnonzero(np.diff(chain, prepend=-1))
     stops = np.append(starts[1:], len(chain)) - 1 if count else starts
     tips = np.stack([walked[starts, 0], walked[stops, 1]], axis=1) if count else np.zeros((0, 2), np.int64)
     # the two regions beside a border: the owners at the ends of an edge of the net that it crosses
-    inner = np.where(walked[starts, 0] < node_count, walked[starts, 0], walked[starts, 1]) if count else np.zeros(0, np.int64)
+    inner = (
+        np.where(walked[starts, 0] < node_count, walked[starts, 0], walked[starts, 1])
+        if count
+        else np.zeros(0, np.int64)
+    )
     region = np.sort(np.stack([known[first[inner], 0], known[second[inner], 0]], axis=1), axis=1)
     return VoronoiGraph(
         SurfacePoints.trusted(frozen(parent[star]), frozen(np.einsum("vc,vck->vk", middle, weight[star]))),
@@ -149,27 +176,24 @@ def _assembled(
 
 
 def _equal(
-    surface: Surface, records: Records, known: NDArray, square: NDArray, first: NDArray, second: NDArray,
-    corner: NDArray, parent: NDArray, weight: NDArray, seen_in: NDArray, threads: int | None,
+    records: Records, known: NDArray, square: NDArray, first: NDArray, second: NDArray,
+    face: NDArray, begin: NDArray, end: NDArray, threads: int | None,
 ) -> NDArray[np.float64]:  # fmt: skip
-    """Where along each edge its two owners are as far: squared distances differ linearly in the plane."""
+    """Where along each edge its two owners are as far.
+
+    Squared distances differ linearly in the plane: the first guess is exact there, two more narrow it elsewhere.
+    """
     a, b = known[first, 0], known[second, 0]
-    at_first = square[first, 0] - _square_of(b, known[first], square[first])
-    at_second = _square_of(a, known[second], square[second]) - square[second, 0]
-    share = np.clip(at_first / np.minimum(at_first - at_second, -1e-300), 0.0, 1.0)
-    triangle, side = seen_in // 3, seen_in % 3
-    begin, end = weight[triangle, side], weight[triangle, (side + 1) % 3]
-    turned = corner[triangle, side] != first
-    begin, end = np.where(turned[:, None], end, begin), np.where(turned[:, None], begin, end)
+    left = square[first, 0] - _square_of(b, known[first], square[first])
+    right = _square_of(a, known[second], square[second]) - square[second, 0]
     low, high = np.zeros(len(first)), np.ones(len(first))
-    left, right = at_first, at_second
+    share = np.clip(left / np.minimum(left - right, -1e-300), 0.0, 1.0)
     for _ in range(2):
-        points = SurfacePoints.trusted(parent[triangle], begin + share[:, None] * (end - begin))
+        points = SurfacePoints.trusted(face, begin + share[:, None] * (end - begin))
         near, distance = nearest(records, points, _KNOWN, threads=threads)
         here = _square_of(a, near, distance**2) - _square_of(b, near, distance**2)
-        sound = np.isfinite(here) & (_has(a, near) & _has(b, near))
-        before = sound & (here < 0)
-        after = sound & (here >= 0)
+        sound = _has(a, near) & _has(b, near)
+        before, after = sound & (here < 0), sound & (here >= 0)
         low, left = np.where(before, share, low), np.where(before, here, left)
         high, right = np.where(after, share, high), np.where(after, here, right)
         share = np.where(sound, low + (high - low) * left / np.minimum(left - right, -1e-300), share)
@@ -183,12 +207,19 @@ def _has(site: NDArray, known: NDArray) -> NDArray[np.bool_]:
 def _square_of(site: NDArray, known: NDArray, square: NDArray) -> NDArray[np.float64]:
     """Squared distance to a site among those known; that of the farthest known where it is not among them."""
     finite = np.where(np.isfinite(square), square, 0.0)
-    return np.where(_has(site, known), np.where(known == site[:, None], finite, 0.0).sum(axis=1), finite.max(axis=1))
+    return np.where(
+        _has(site, known), np.where(known == site[:, None], finite, 0.0).sum(axis=1), finite.max(axis=1)
+    )
 
 
 def _vertices(owner: NDArray, corner: NDArray, known: NDArray, square: NDArray) -> NDArray[np.float64]:
     """Weights of the corners where three owners are as far, kept inside the triangle."""
-    value = np.stack([[_square_of(owner[:, k], known[corner[:, c]], square[corner[:, c]]) for c in range(3)] for k in range(3)])
+    value = np.stack(
+        [
+            [_square_of(owner[:, k], known[corner[:, c]], square[corner[:, c]]) for c in range(3)]
+            for k in range(3)
+        ]
+    )
     first, second = (value[0] - value[1]).T, (value[0] - value[2]).T
     weight = np.cross(first, second) if len(first) else np.zeros((0, 3))
     total = weight.sum(axis=1, keepdims=True)
@@ -216,18 +247,17 @@ def _chained(segment: NDArray, crossings: int, vertices: int) -> tuple[NDArray, 
 
 
 def _place(
-    surface: Surface, node: NDArray, triangle: NDArray, node_count: int, edge: NDArray, vertices: int, share: NDArray,
-    corner: NDArray, parent: NDArray, weight: NDArray, star: NDArray, middle: NDArray,
-) -> NDArray[np.float64]:  # fmt: skip
-    """Places of nodes in the frame of their triangle's face."""
+    surface: Surface, net: _Net, node: NDArray, triangle: NDArray, middle: NDArray
+) -> NDArray[np.float64]:
+    """Places of nodes, crossings first and then vertices, in the frame of their triangle's face."""
     local = np.zeros((len(node), 3))
-    on_edge = np.flatnonzero(node < node_count)
-    ends = np.stack([edge[node[on_edge]] // vertices, edge[node[on_edge]] % vertices], axis=1)
-    along = share[node[on_edge]]
-    for k, part in ((0, 1 - along), (1, along)):
-        slot = np.argmax(corner[triangle[on_edge]] == ends[:, k, None], axis=1)
+    crossings = len(net.first)
+    on_edge = np.flatnonzero(node < crossings)
+    along = net.share[node[on_edge]]
+    for end, part in ((net.first, 1 - along), (net.second, along)):
+        slot = np.argmax(net.corner[triangle[on_edge]] == end[node[on_edge], None], axis=1)
         local[on_edge, slot] = part
-    inner = np.flatnonzero(node >= node_count)
-    local[inner] = middle[node[inner] - node_count]
-    inside = np.einsum("nc,nck->nk", local, weight[triangle])
-    return np.einsum("nk,nki->ni", inside, surface.flat[parent[triangle]])
+    inner = np.flatnonzero(node >= crossings)
+    local[inner] = middle[node[inner] - crossings]
+    inside = np.einsum("nc,nck->nk", local, net.weight[triangle])
+    return np.einsum("nk,nki->ni", inside, surface.flat[net.parent[triangle]])

@@ -21,11 +21,10 @@ def chains(segment, meeting, order, flipped, chain):
             if seen[start] >= 0:
                 continue
             side = 0
-            if turn == 0:
-                if meeting[segment[start, 0], 1] >= 0:
-                    side = 1
-                    if meeting[segment[start, 1], 1] >= 0:
-                        continue
+            if turn == 0 and meeting[segment[start, 0], 1] >= 0:
+                side = 1
+                if meeting[segment[start, 1], 1] >= 0:
+                    continue
             here, node = start, segment[start, side]
             while here >= 0 and seen[here] < 0:
                 seen[here] = count

@@ -69,26 +69,48 @@ def subdivided(surface: Surface, edge_mm: float, *, max_faces: int = 20_000_000)
     InputError
         If it would take more than `max_faces`.
     """
-    faces = surface.faces.astype(np.int64)
-    parent = np.arange(len(faces))
-    weight = np.broadcast_to(np.eye(3), (len(faces), 3, 3))
-    vertices = surface.vertices
+    fine = Subdivided(
+        np.arange(len(surface.faces), dtype=np.int32),
+        np.broadcast_to(np.eye(3), (len(surface.faces), 3, 3)),
+        surface.faces,
+        SurfacePoints.trusted(*_first_places(surface.faces.astype(np.int64), len(surface.vertices))),
+        surface.vertices,
+    )
     while True:
-        pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-        keys, index = np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1], return_inverse=True)
-        ends = np.stack([keys // len(vertices), keys % len(vertices)], axis=1)
-        length = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
-        long = _with_longest(length, length > edge_mm, index.reshape(-1, 3))
-        if not long.any():
-            points = _places(faces, parent, weight, len(vertices))
-            return Subdivided(parent.astype(np.int32), weight, faces.astype(np.int32), points, vertices)
-        number = np.full(len(keys), -1)
-        number[long] = len(vertices) + np.arange(long.sum())
-        middle = number[index.reshape(-1, 3)]
-        vertices = np.concatenate([vertices, 0.5 * vertices[ends[long]].sum(axis=1)])
-        faces, parent, weight = _cut(faces, parent, weight, middle)
-        if len(faces) > max_faces:
+        ends, index, length = _edges(fine)
+        if not (length > edge_mm).any():
+            return fine
+        fine = _halved(fine, ends, index, length, length > edge_mm)
+        if len(fine.faces) > max_faces:
             raise InputError(f"edges of {edge_mm:g} mm take over {max_faces} faces; take longer ones")
+
+
+def _edges(fine: Subdivided) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Vertices of each edge, the edges of each face, lengths."""
+    faces = fine.faces.astype(np.int64)
+    pairs = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    count = len(fine.vertices)
+    keys, index = np.unique(pairs[:, 0] * count + pairs[:, 1], return_inverse=True)
+    ends = np.stack([keys // count, keys % count], axis=1)
+    length = np.linalg.norm(fine.vertices[ends[:, 0]] - fine.vertices[ends[:, 1]], axis=1)
+    return ends, index.reshape(-1, 3), length
+
+
+def _halved(
+    fine: Subdivided,
+    ends: NDArray[np.int64],
+    index: NDArray[np.int64],
+    length: NDArray[np.float64],
+    long: NDArray[np.bool_],
+) -> Subdivided:
+    """Cut the edges that are marked, once."""
+    long = _with_longest(length, long, index)
+    number = np.full(len(ends), -1)
+    number[long] = len(fine.vertices) + np.arange(long.sum())
+    vertices = np.concatenate([fine.vertices, 0.5 * fine.vertices[ends[long]].sum(axis=1)])
+    faces, parent, weight = _cut(fine.faces.astype(np.int64), fine.parent, fine.weight, number[index])
+    points = _places(faces, parent, weight, len(vertices))
+    return Subdivided(parent.astype(np.int32), weight, faces.astype(np.int32), points, vertices)
 
 
 def _with_longest(
@@ -130,14 +152,24 @@ def _cut(
 
 
 def _places(
-    faces: NDArray[np.int64], parent: NDArray[np.int64], weight: NDArray[np.float64], count: int
+    faces: NDArray[np.int64], parent: NDArray[np.integer], weight: NDArray[np.float64], count: int
 ) -> SurfacePoints:
     """Choose one place on the surface for each vertex: that of the first face that has it."""
+    row, barycentric = _first_places(faces, count)
+    known = barycentric.any(axis=1)
+    corner = np.argmax(barycentric, axis=1)
+    face = np.where(known, parent[row], 0).astype(np.int32)
+    barycentric = np.where(known[:, None], weight[row, corner], [1.0, 0.0, 0.0])
+    return SurfacePoints.trusted(face, barycentric)
+
+
+def _first_places(faces: NDArray[np.int64], count: int) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+    """First face of each vertex and its corner there, as weights; no weights for a vertex without faces."""
     used = np.full(count, -1)
     corner = faces.ravel()[::-1]
     used[corner] = np.arange(len(corner))[::-1]
-    face, barycentric = np.zeros(count, np.int32), np.tile([1.0, 0.0, 0.0], (count, 1))
-    known = used >= 0
-    face[known] = parent[used[known] // 3]
-    barycentric[known] = weight.reshape(-1, 3)[used[known]]
-    return SurfacePoints.trusted(face, barycentric)
+    known = np.flatnonzero(used >= 0)
+    face, barycentric = np.zeros(count, np.int32), np.zeros((count, 3))
+    face[known] = used[known] // 3
+    barycentric[known, used[known] % 3] = 1.0
+    return face, barycentric

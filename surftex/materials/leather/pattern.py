@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
-from surftex.geodesics.windows import Buckets, flood_points, nearest
+from surftex.geodesics.buckets import Buckets
+from surftex.geodesics.curves import flood_curves, nearest_curve
+from surftex.geodesics.windows import flood_points, nearest
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Cells
 from surftex.materials.leather.curves import curve_pieces
