@@ -33,7 +33,9 @@ def bilinear_stencil(
     columns = np.clip(np.stack([left, left + 1], axis=1), 0, width - 1).astype(np.int64)
     rows = np.clip(np.stack([top, top + 1], axis=1), 0, height - 1).astype(np.int64)
     texel = (rows[:, :, None] * width + columns[:, None, :]).reshape(-1, 4)
-    shares = np.stack([1 - down, down], axis=1)[:, :, None] * np.stack([1 - across, across], axis=1)[:, None, :]
+    shares = (
+        np.stack([1 - down, down], axis=1)[:, :, None] * np.stack([1 - across, across], axis=1)[:, None, :]
+    )
     return texel, shares.reshape(-1, 4)
 
 
@@ -74,4 +76,6 @@ def half(image: NDArray[Any]) -> NDArray[Any]:
     """
     height, width = image.shape[:2]
     parts = image.reshape(height // 2, 2, width // 2, 2, *image.shape[2:])
-    return (parts[:, 0, :, 0] + parts[:, 0, :, 1] + parts[:, 1, :, 0] + parts[:, 1, :, 1]) * image.dtype.type(0.25)
+    return (parts[:, 0, :, 0] + parts[:, 0, :, 1] + parts[:, 1, :, 0] + parts[:, 1, :, 1]) * image.dtype.type(
+        0.25
+    )

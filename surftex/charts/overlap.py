@@ -53,3 +53,38 @@ def overlapping_faces(
     found = slices(work, len(start) - 1, size=1, threads=threads)
     pairs = np.concatenate([pairs for _, pairs in found])
     return sum(count for count, _ in found), np.unique(pairs, axis=0)
+
+
+def core_faces(
+    corner_px: NDArray[np.float64], resolution: int, *, threads: int | None = None
+) -> NDArray[np.int32]:
+    """Find the face of every texel of a page.
+
+    Parameters
+    ----------
+    corner_px : (m, 3, 2) float64
+        Corners as `Atlas.corner_px` gives them; read-only.
+    resolution : int
+        Side of the page.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    face : (resolution, resolution) int32
+        The lowest face that holds the texel's centre, -1 where there is none.
+    """
+    from surftex.kernels.raster import raster_band
+
+    start, item = band_lists(corner_px[..., 1].min(axis=1), corner_px[..., 1].max(axis=1), resolution)
+    face = np.full((resolution, resolution), -1, np.int32)
+
+    def work(band: int, _: int) -> None:
+        top = band * BAND_ROWS
+        rows = face[top : top + BAND_ROWS]
+        raster_band(
+            corner_px, frozen(item[start[band] : start[band + 1]]), top, rows, np.zeros((*rows.shape, 3))
+        )
+
+    slices(work, len(start) - 1, size=1, threads=threads)
+    return face

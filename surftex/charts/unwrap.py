@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.charts.atlas import Atlas
-from surftex.charts.mend import bad_faces, cut_off, true_to_shape
+from surftex.charts.mend import bad_faces, cut_off, notch_faces, overlap_faces, true_to_shape
 from surftex.charts.xatlas_run import xatlas_charts
 from surftex.errors import InputError, WorkError
 from surftex.kernels.pool import Tick
@@ -25,6 +25,12 @@ Method = Literal["auto", "xatlas", "uvunwrap"]
 
 XATLAS_FACES = 20_000
 """Faces up to which ``"auto"`` takes xatlas."""
+
+LEAST_COVERAGE = 0.3
+"""Share of the page that charts should cover; the default gutter shrinks for it."""
+
+PACKED_SHARE = 0.85
+"""Share of the page that charts and gutters cover together once they are packed."""
 
 MENDING_ROUNDS = 4
 """How often bad faces are cut off and all is packed again."""
@@ -51,7 +57,7 @@ def unwrap(
         Side in texels of the page that the gaps are made for.
     gutter_px : int, optional
         Free texels around each chart. R texels keep k mip levels clean where R >= 1.5 * 2^k. Without it, 1/128 of
-        the page, between 2 and 16.
+        the page, between 2 and 16, less where many small charts would leave no room.
     budget_s : float
         Seconds of wall time for xatlas; beyond it uvunwrap takes over, and a note says so.
     tick : callable, optional
@@ -79,36 +85,36 @@ def unwrap(
     wanted = ("xatlas" if len(surface.faces) <= XATLAS_FACES else "uvunwrap") if method == "auto" else method
     notes: list[str] = []
     vertices = unit_vertices(surface)
-    packed = None
-    alone = np.zeros(len(surface.faces), bool)
+    charts = None
     if wanted == "xatlas":
         try:
             charts = xatlas_charts(vertices, surface.faces, budget_s=budget_s, tick=_part(tick, 0, 0.7))
+            charts = _even_scale(surface, charts)
         except WorkError as problem:
             notes.append(f"{problem}; uvunwrap took over")
             wanted = "uvunwrap"
-        else:
-            charts = _even_scale(surface, charts)
-            alone = bad_faces(surface, charts, None)
-            charts = cut_off(surface, charts, alone)
-            packed, gutter = _packed(
-                surface, vertices, charts, resolution, gutter, notes, _part(tick, 0.7, 0.8)
-            )
-    if packed is None:
-        packed, gutter = _generated(surface, vertices, resolution, gutter, notes, _part(tick, 0, 0.8))
-    for _ in range(MENDING_ROUNDS):
-        bad = bad_faces(surface, packed, resolution)
-        if not (bad & ~alone).any():
+    if charts is None:
+        charts = _generated(surface, vertices, resolution, _part(tick, 0, 0.7))
+    if gutter_px is None:
+        gutter = _affordable(surface, charts, resolution, gutter)
+    alone = notch_faces(surface, charts, bad_faces(surface, charts), min(resolution, 4096))
+    for turn in range(MENDING_ROUNDS):
+        charts = cut_off(surface, charts, alone)
+        packed, gutter = _packed(surface, vertices, charts, resolution, gutter, notes, _part(tick, 0.7, 1))
+        atlas = Atlas.of(surface, packed)
+        worse = overlap_faces(surface, atlas, resolution)
+        worse = worse[~alone[worse]]
+        if len(worse) == 0:
             break
-        alone |= bad
-        charts = cut_off(surface, packed, alone)
-        packed, gutter = _packed(surface, vertices, charts, resolution, gutter, notes, _part(tick, 0.8, 1))
-    redraw = np.flatnonzero(alone & bad_faces(surface, packed, None))
+        alone[worse] = True
+        if turn == MENDING_ROUNDS - 2:
+            alone |= np.isin(atlas.chart, atlas.chart[worse])
+    redraw = np.flatnonzero(alone & bad_faces(surface, packed))
     if len(redraw):
         packed = true_to_shape(surface, packed, redraw)
     if alone.any():
         notes.append(
-            f"{alone.sum()} of {len(surface.faces)} faces came out folded or stretched and lie in charts of their own"
+            f"{alone.sum()} of {len(surface.faces)} faces lie in charts of their own: they came out folded, stretched or beside a notch"
         )
     return Atlas.of(
         surface, packed, unwrapper=wanted, resolution=resolution, gutter_px=gutter, notes=tuple(notes)
@@ -129,6 +135,24 @@ def default_gutter(resolution: int) -> int:
         1/128 of the page, between 2 and 16.
     """
     return min(16, max(2, resolution // 128))
+
+
+def _affordable(surface: Surface, charts: NDArray[np.float64], resolution: int, gutter: int) -> int:
+    """Halve the gutter while many small charts would leave less than `LEAST_COVERAGE` of the page for the surface.
+
+    Charts of area A, border length P and number n at d texels per mm take about A d^2 + P R d + pi R^2 n texels.
+    """
+    atlas = Atlas.of(surface, charts / max(1.0, np.abs(charts).max()))
+    border_mm = float(surface.edge_length[atlas.seam].sum())
+    while gutter > 2:
+        room = PACKED_SHARE * resolution**2 - np.pi * gutter**2 * atlas.chart_count
+        if room > 0:
+            density = np.sqrt((border_mm * gutter) ** 2 + 4 * surface.area_mm2 * room) - border_mm * gutter
+            density /= 2 * surface.area_mm2
+            if surface.area_mm2 * density**2 >= LEAST_COVERAGE * resolution**2:
+                break
+        gutter //= 2
+    return gutter
 
 
 def unit_vertices(surface: Surface) -> NDArray[np.float32]:
@@ -170,19 +194,17 @@ def _part(tick: Tick | None, start: float, end: float) -> Tick | None:
 
 
 def _generated(
-    surface: Surface,
-    vertices: NDArray[np.float32],
-    resolution: int,
-    gutter: int,
-    notes: list[str],
-    tick: Tick | None,
-) -> tuple[NDArray[np.float64], int]:
-    """Cut, flatten and pack by uvunwrap."""
+    surface: Surface, vertices: NDArray[np.float32], resolution: int, tick: Tick | None
+) -> NDArray[np.float64]:
+    """Cut and flatten by uvunwrap, packed in haste."""
     import uvunwrap
 
     borders = np.ascontiguousarray(surface.neighbor < 0, np.uint8)
     mesh = uvunwrap.Mesh(vertices, surface.faces.astype(np.uint32), seams=borders)
-    return _fitted(mesh, resolution, gutter, notes, tick)
+    result = _finished(
+        uvunwrap.start([mesh], page_size=None, texels_per_unit=256.0, padding=0, packing="fast"), tick
+    )
+    return _corners(result)
 
 
 def _packed(
@@ -201,8 +223,12 @@ def _packed(
     unit = ((charts - low) / max(np.ptp(charts.reshape(-1, 2), axis=0).max(), np.finfo(float).tiny)).astype(
         np.float32
     )
-    key = np.concatenate([surface.faces.reshape(-1, 1).astype(np.float64), unit.reshape(-1, 2)], axis=1)
-    _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    place = np.ascontiguousarray(unit.reshape(-1, 2)).view(np.int64)[:, 0]
+    order = np.lexsort([place, surface.faces.ravel()])
+    new = np.ones(len(order), bool)
+    new[1:] = (np.diff(place[order]) != 0) | (np.diff(surface.faces.ravel()[order]) != 0)
+    first, index = order[new], np.zeros(len(order), np.int64)
+    index[order] = np.cumsum(new) - 1
     mesh = uvunwrap.Mesh(
         np.ascontiguousarray(vertices[surface.faces.ravel()[first]]),
         np.ascontiguousarray(index.reshape(-1, 3), np.uint32),
@@ -214,23 +240,15 @@ def _packed(
 def _fitted(
     mesh: Any, resolution: int, gutter: int, notes: list[str], tick: Tick | None
 ) -> tuple[NDArray[np.float64], int]:
-    """Run uvunwrap in its background thread; where the gaps leave no room for the charts, halve them."""
+    """Pack by uvunwrap; where the gaps leave no room for the charts, halve them."""
     import uvunwrap
 
     asked, reason = gutter, ""
     while True:
-        job = uvunwrap.start([mesh], page_size=resolution, padding=gutter)
         try:
-            while not job.done:
-                time.sleep(0.005)
-                if tick and job.progress is not None:
-                    tick(_stage_share(job.progress))
-            result = job.result()
+            result = _finished(uvunwrap.start([mesh], page_size=resolution, padding=gutter), tick)
         except uvunwrap.UnwrapError as problem:
             result, reason = None, str(problem)
-        finally:
-            if not job.done:
-                job.cancel()
         if result is not None and result.page_count == 1 and max(result.width, result.height) <= resolution:
             break
         if gutter == 0:
@@ -240,8 +258,25 @@ def _fitted(
         gutter //= 2
     if gutter != asked:
         notes.append(f"the page has no room for {asked} free texels around each chart; they have {gutter}")
-    uv = np.frombuffer(result.meshes[0].corner_uvs, np.float32).reshape(-1, 3, 2).astype(np.float64)
-    return uv, gutter
+    return _corners(result), gutter
+
+
+def _corners(result: Any) -> NDArray[np.float64]:
+    """Read the corners out of uvunwrap's answer."""
+    return np.frombuffer(result.meshes[0].corner_uvs, np.float32).reshape(-1, 3, 2).astype(np.float64)
+
+
+def _finished(job: Any, tick: Tick | None) -> Any:
+    """Wait for a job in the background, tell its progress, and stop it when interrupted."""
+    try:
+        while not job.done:
+            time.sleep(0.005)
+            if tick and job.progress is not None:
+                tick(_stage_share(job.progress))
+        return job.result()
+    finally:
+        if not job.done:
+            job.cancel()
 
 
 def _stage_share(progress: Any) -> float:

@@ -1,0 +1,121 @@
+"""Seams made equal: the texels beside them are moved a little, so that both sides look up the same values.
+
+A sparse least-squares problem over the texels that bilinear lookup mixes along the seams [1]_, at mip 0 and, through
+the averages that mips are, at coarser ones: jumps squared, plus a small price on moving. Inside the charts nothing
+changes.
+
+References
+----------
+.. [1] Liu, Ferguson, Jacobson, Gingold. Seamless: Seam erasure and seam-aware decoupling of shape from mesh
+   resolution. ACM Transactions on Graphics 36 (2017).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array, identity, vstack
+
+from surftex.charts.lookup import bilinear_stencil
+from surftex.charts.seams import SeamSamples
+from surftex.errors import InputError
+
+PRICE = 0.02
+"""Price of moving a texel, beside that of a jump."""
+
+STEPS = 200
+"""Steps of conjugate gradients at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Equalised:
+    """A map with equal seams.
+
+    Attributes
+    ----------
+    image : (height, width) or (height, width, c) float32
+        The map.
+    moved_texels : int
+        Texels that take part.
+    moved_rms : float
+        Root mean square of their changes, in the map's unit.
+    moved_max : float
+        The greatest change.
+    """
+
+    image: NDArray[np.float32]
+    moved_texels: int
+    moved_rms: float
+    moved_max: float
+
+
+def equalise(samples: SeamSamples, image: NDArray[Any], *, mips: int = 3, price: float = PRICE) -> Equalised:
+    """Even out the jumps of a map across its seams.
+
+    Parameters
+    ----------
+    samples : SeamSamples
+        Places along the seams, from `seam_samples` at the map's resolution.
+    image : (height, width) or (height, width, c) array
+        The map; numbers that may be mixed.
+    mips : int
+        Levels to even out; fewer where a side is odd.
+    price : float
+        Of moving a texel by one unit, beside a jump of one unit; more keeps closer to the map.
+
+    Returns
+    -------
+    result : Equalised
+        The new map, and how far it moved.
+
+    Raises
+    ------
+    InputError
+        If the map has no picture's shape.
+    """
+    from scipy.sparse.linalg import cg
+
+    if image.ndim not in (2, 3):
+        raise InputError(f"image has shape {image.shape}; it takes (height, width) or (height, width, c)")
+    result = np.array(image, np.float32)
+    if len(samples) == 0:
+        return Equalised(result, 0, 0.0, 0.0)
+    rows = _jump_rows(samples, image.shape[0], image.shape[1], mips)
+    taking_part, compact = np.unique(rows.indices, return_inverse=True)
+    jumps = csr_array((rows.data, compact, rows.indptr), shape=(rows.shape[0], len(taking_part)))
+    normal = (jumps.T @ jumps + price * identity(len(taking_part), format="csr")).tocsr()
+    flat = result.reshape(image.shape[0] * image.shape[1], -1)
+    before = flat[taking_part].astype(np.float64)
+    change = np.zeros_like(before)
+    for channel in range(before.shape[1]):
+        wanted = -(jumps.T @ (jumps @ before[:, channel]))
+        change[:, channel], _ = cg(normal, wanted, rtol=1e-6, maxiter=STEPS)
+    flat[taking_part] = (before + change).astype(np.float32)
+    return Equalised(
+        result, len(taking_part), float(np.sqrt((change**2).mean())), float(np.abs(change).max(initial=0.0))
+    )
+
+
+def _jump_rows(samples: SeamSamples, height: int, width: int, mips: int) -> csr_array:
+    """Write every sample's jump at every mip as weights of the texels of mip 0."""
+    blocks = []
+    for level in range(mips):
+        side = 1 << level
+        if height % side or width % side:
+            break
+        here, here_weight = bilinear_stencil(samples.here_uv, width // side, height // side)
+        there, there_weight = bilinear_stencil(samples.there_uv, width // side, height // side)
+        texel = np.concatenate([here, there], axis=1)
+        weight = np.concatenate([here_weight, -there_weight], axis=1)
+        if level:
+            down, across = np.divmod(np.arange(side * side), side)
+            row, column = np.divmod(texel, width // side)
+            texel = ((row[..., None] * side + down) * width + column[..., None] * side + across).reshape(
+                len(texel), -1
+            )
+            weight = np.repeat(weight, side * side, axis=1) / (side * side)
+        sample = np.repeat(np.arange(len(texel)), texel.shape[1])
+        shape = (len(texel), height * width)
+        blocks.append(coo_array((weight.ravel(), (sample, texel.ravel())), shape=shape).tocsr())
+    return csr_array(vstack(blocks, format="csr"))
