@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from surftex.materials.parameters import Amount, Color, Length, LengthField, PositiveLength, Share
+from surftex.materials.parameters import Amount, Color, Length, LengthField, NumberField, PositiveLength, Share
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class Leather(BaseModel):
     kind: Literal["leather"] = "leather"
 
     cell_size: LengthField = _field(0.85, "cells", "Least distance between neighbour cells.")
-    cell_ratio: float | str = _field(1.0, "cells", "Length of cells over their width; 1 is round.")
+    cell_ratio: NumberField = _field(1.0, "cells", "Length of cells over their width; 1 is round.")
     direction: str | None = _field(
         None, "cells", "Direction field that cells are long in; smoothest without it."
     )
@@ -57,7 +57,7 @@ class Leather(BaseModel):
     sulcus_width: Length = _field(0.17, "sulci", "From the middle of a furrow to its rim.")
     sulcus_variation: Share = _field(0.0, "sulci", "How much furrows differ in depth and width.")
 
-    invasion: float | str = _field(
+    invasion: NumberField = _field(
         0.0, "cracks", "Length by which a furrow along the stress cracks the next plate."
     )
     invasion_mode: Literal["length", "relative"] = _field(
