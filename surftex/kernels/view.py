@@ -99,7 +99,7 @@ def lamp_depths(vertex, faces, lamp, scale, depth):
 def lamp_light(point, normal, facing, lamp, share, group, scale, depth, slack, light, seen):
     """Gather what each group of lamps sends to points, in the shadow of the mesh.
 
-    point, normal, facing (n, 3) float32: places, the normals that shade and those of the plain mesh; lamp (l, 3, 3)
+    point, normal, facing (n, 3) float32: places, the normals that shade, and those of the mesh alone; lamp (l, 3, 3)
     float64; share (l,) float64: irradiance on a plane that faces the lamp; group (l,) int32; depth as drawn by
     `lamp_depths`; slack: millimetres that a point may lie behind what the lamp sees; light (n, g) float32 and
     seen (n, g) float32, 0 on entry: irradiance, and the share of the group's lamps in sight.

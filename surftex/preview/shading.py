@@ -50,7 +50,7 @@ class Lit:
         normal : (n, 3) float
             That shade.
         facing : (n, 3) float
-            Of the mesh.
+            Shading normals of the mesh itself, without its normal map.
 
         Returns
         -------
@@ -141,7 +141,7 @@ def shaded(
     normal : (n, 3) float32
         Unit vectors that shade.
     facing : (n, 3) float32
-        Unit normals of the mesh.
+        Unit shading normals of the mesh itself, without its normal map.
     to_eye : (n, 3) float32
         Unit vectors to the camera.
 

@@ -157,3 +157,15 @@ def test_sheet_has_room_for_all_and_letters():
     ]
     with pytest.raises(InputError, match="labels"):
         contact_sheet(images, ["one"])
+
+
+def test_facets_of_a_smooth_mesh_throw_no_shadows_on_themselves():
+    """A coarse ball with smooth normals is lit like a fine one, away from the outline."""
+    options = {"size": (160, 160), "light": "raking", "view": "front", "floor": False}
+    coarse, fine = (
+        render(sphere(20.0, subdivisions=number), **options).astype(int)[..., 1] for number in (2, 5)
+    )
+    row, column = np.mgrid[:160, :160] - 79.5
+    radius = np.sqrt((fine != fine[0, 0]).sum() / np.pi)
+    inside = np.hypot(row, column) < 0.8 * radius
+    assert np.percentile(np.abs(coarse - fine)[inside], 99) < 12
