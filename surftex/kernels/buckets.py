@@ -51,9 +51,7 @@ def _lower(kind, row, r, x, y):
 
 
 @kernel
-def distribute(
-    row, row_id, limit, bound, first, cells, grid, fill, entry_start, entry_row, entry_least
-):
+def distribute(row, row_id, limit, bound, first, cells, grid, fill, entry_start, entry_row, entry_least):
     """Tell each bucket which rows come nearer to it than `limit` (of the row's primitive) and `bound` (of its face).
 
     With fill == 0 it counts into entry_start[bucket + 1]; with 1 it writes the entries and moves entry_start[bucket] on.

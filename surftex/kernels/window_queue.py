@@ -36,8 +36,8 @@ DIRECT = np.int64(2)
 class Light(NamedTuple):
     """What a window carries: kind, primitive, image x, y, sigma, and (c, s), all in the frame of one face."""
 
-    kind: int
-    primitive: int
+    kind: int | np.integer
+    primitive: int | np.integer
     x: float
     y: float
     sigma: float

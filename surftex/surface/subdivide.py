@@ -131,7 +131,7 @@ def _with_longest(
 
 def _cut(
     faces: NDArray[np.int64],
-    parent: NDArray[np.int64],
+    parent: NDArray[np.integer],
     weight: NDArray[np.float64],
     middle: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
@@ -156,7 +156,7 @@ def _places(
 ) -> SurfacePoints:
     """Choose one place on the surface for each vertex: that of the first face that has it."""
     row, barycentric = _first_places(faces, count)
-    known = barycentric.any(axis=1)
+    known = np.asarray(barycentric.any(axis=1))
     corner = np.argmax(barycentric, axis=1)
     face = np.where(known, parent[row], 0).astype(np.int32)
     barycentric = np.where(known[:, None], weight[row, corner], [1.0, 0.0, 0.0])

@@ -90,7 +90,7 @@ def test_wrong_units_and_sizes_are_refused(tmp_path, wrong):
 
 def test_obj_corners_carry_their_own_uv_and_normals(tmp_path):
     text = (
-        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .1 .2\nvt .3 .2\nvt .3 .4\nvt .5 .5 0\nvn 0 0 2\nvn 0 0.6 0.8\n"  # noqa: E501
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt .1 .2\nvt .3 .2\nvt .3 .4\nvt .5 .5 0\nvn 0 0 2\nvn 0 0.6 0.8\n"
         "f 1/1/1 2/2/1 3/3/1\nf 1/4/2 3/3/-1 4/-4/2\n"
     )
     surface = load(saved(tmp_path, "a.obj", text.encode()), units="m")
@@ -155,7 +155,7 @@ def test_stl_solids_are_parts(tmp_path):
 def test_ply_uvs_and_mixed_polygons(tmp_path, names, form):
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0.5, 0]], float)
     rows = np.column_stack([points, points[:, :2] / 4])
-    head = f"ply\nformat {form} 1.0\ncomment x\nelement vertex 5\nproperty double x\nproperty double y\nproperty double z\n"  # noqa: E501
+    head = f"ply\nformat {form} 1.0\ncomment x\nelement vertex 5\nproperty double x\nproperty double y\nproperty double z\n"
     head += "".join(f"property double {n}\n" for n in names)
     head += "element face 2\nproperty uchar flags\nproperty list uchar int vertex_index\nend_header\n"
     if form == "ascii":
@@ -177,7 +177,7 @@ def test_ply_uvs_and_mixed_polygons(tmp_path, names, form):
 
 def test_ply_uvs_by_face(tmp_path):
     text = (
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"  # noqa: E501
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
         "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 6 .1 .2 .3 .2 .1 .5\n"
     )

@@ -35,8 +35,8 @@ def run(places, samples, *, k=5, exponent=6.0, rounding=0.0, wave=0.0, blend=0.0
     own_mm, furrow = np.zeros(n, np.float32), np.zeros(n, np.float32)
     key = stream(3, "borders").key
     plates(site.astype(np.int32), distance, frozen(start), frozen(other), frozen(apart.ravel()),
-           frozen(np.column_stack([places, np.zeros(len(places))])), shift, *waves, int(np.isinf(exponent)), rounding, np.uint64(key),
-           blend, np.zeros(k), np.zeros(k), own, ratio, border, own_mm, furrow)  # fmt: skip
+           frozen(np.column_stack([places, np.zeros(len(places))])), shift, *waves, int(np.isinf(exponent)),
+           rounding, np.uint64(key), blend, np.zeros(k), np.zeros(k), own, ratio, border, own_mm, furrow)  # fmt: skip
     twin = [] if not compare else [
         plate(site[i], distance[i], apart, shift, np.array([waves[0][i], waves[1][i]], float), exponent, rounding, key,
               blend or 1.0)

@@ -178,7 +178,7 @@ class LeatherPattern:
         self, position: NDArray, footprint_mm: NDArray
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         size = float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.0
-        amount = np.float32(_WAVE * self.leather.waviness)
+        amount = _WAVE * self.leather.waviness
         first, second = (
             amount * self._noise(name, 1.3 * size, 1, position, footprint_mm, amount)
             for name in ("wave a", "wave b")
