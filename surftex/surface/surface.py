@@ -63,6 +63,12 @@ class Surface:
     neighbor: NDArray[np.int32]
     neighbor_edge: NDArray[np.int32]
 
+    def __repr__(self) -> str:
+        return (
+            f"Surface({self.name!r}: {len(self.faces)} faces, {len(self.vertices)} vertices, "
+            f"{self.area_mm2:.6g} mm^2, parts {', '.join(self.part_names)})"
+        )
+
     @staticmethod
     def from_arrays(
         vertices: ArrayLike,

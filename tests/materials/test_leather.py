@@ -1,0 +1,175 @@
+"""Leather on surfaces: what is placed, what stays, what the samples see."""
+
+import numpy as np
+import pytest
+
+from surftex.errors import RecipeError
+from surftex.features.uniform import area_points
+from surftex.fields.fieldset import FieldSet
+from surftex.geodesics.directions import DirectionField
+from surftex.materials.leather.model import Leather
+from surftex.randomness import stream
+from surftex.surface.points import Samples
+from surftex.surface.shapes import plane, sphere
+
+PLAIN = {"wrinkle_density": 0.0, "grain_height": 0.0}
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return sphere(8.0, subdivisions=4)
+
+
+def samples_on(surface, count=4000, footprint=0.02):
+    points = area_points(surface, stream(1, "samples").uniform(count, 3))
+    return Samples(points, np.full(count, footprint, np.float32))
+
+
+@pytest.mark.parametrize("name", sorted(Leather.presets()))
+def test_every_preset_answers_everywhere(name):
+    ball = sphere(30.0 if name in ("crocodile", "ostrich") else 4.0, subdivisions=3)
+    leather = Leather.preset(name)
+    pattern = leather.place(ball, 3)
+    layers = pattern.at(samples_on(ball, 1500))
+    assert set(pattern.channels) == set(layers.channels)
+    for channel in layers.channels.values():
+        assert np.isfinite(channel).all()
+    assert (layers["region"] >= 0).all()
+    assert np.ptp(layers["height_mm"]) > 0.3 * leather.crista_height
+    color = layers["base_color"]
+    assert color.min() >= 0
+    assert color.max() <= 1
+    assert 0.04 <= layers["roughness"].min() <= layers["roughness"].max() <= 1
+
+
+def test_threads_change_no_byte(ball):
+    leather = Leather.preset("calf", wrinkle_count=6)
+    one, two = (leather.place(ball, 5, threads=threads) for threads in (1, 2))
+    assert one.features.keys() == two.features.keys()
+    for kind in one.features:
+        assert one.features[kind].tobytes() == two.features[kind].tobytes()
+    samples = samples_on(ball)
+    assert one.at(samples)["height_mm"].tobytes() == two.at(samples)["height_mm"].tobytes()
+
+
+def test_samples_do_not_see_one_another(ball):
+    pattern = Leather.preset("goat").place(ball, 5)
+    samples = samples_on(ball, 999)
+    whole = pattern.at(samples)
+    parts = [pattern.at(samples.part(first, last)) for first, last in ((0, 10), (10, 600), (600, 999))]
+    for name in pattern.channels:
+        assert whole[name].tobytes() == np.concatenate([part[name] for part in parts]).tobytes()
+
+
+def test_saved_features_give_the_same_pattern(ball):
+    leather = Leather.preset("calf", wrinkle_count=4)
+    first = leather.place(ball, 5)
+    again = leather.place(ball, 5, features={kind: table.copy() for kind, table in first.features.items()})
+    samples = samples_on(ball)
+    for name in first.channels:
+        assert first.at(samples)[name].tobytes() == again.at(samples)[name].tobytes()
+
+
+def test_adding_one_kind_moves_no_other(ball):
+    plain = Leather.preset("calf", **PLAIN).place(ball, 5).features
+    more = (
+        Leather.preset("calf", crown_spacing=3.0, wrinkle_count=3, grain_height=0.0).place(ball, 5).features
+    )
+    assert {"crown", "wrinkle"} <= more.keys() - plain.keys()
+    for kind in plain:
+        assert plain[kind].tobytes() == more[kind].tobytes()
+
+
+def test_sulci_lie_on_the_borders_and_cristae_on_the_sites():
+    sheet = plane(8.0, cells=8)
+    leather = Leather(cell_size=0.8, grain_height=0.0)
+    pattern = leather.place(sheet, 2)
+    layers = pattern.at(samples_on(sheet, 6000, 0.002))
+    from scipy.spatial import cKDTree
+
+    sites = sheet_points(sheet, pattern.features["cell"])
+    place = samples_on(sheet, 6000).points.positions(sheet)
+    distance, _ = cKDTree(sites).query(place, k=2)
+    border = (distance[:, 1] - distance[:, 0]) / 2
+    height = layers["height_mm"]
+    on_border, on_site = border < 0.01, distance[:, 0] < 0.1
+    assert np.allclose(height[on_border], -leather.sulcus_depth, atol=0.15 * leather.sulcus_depth + 0.01)
+    assert np.allclose(height[on_site], leather.crista_height, atol=0.02 * leather.crista_height)
+
+
+def sheet_points(sheet, table):
+    from surftex.surface.points import SurfacePoints
+
+    return SurfacePoints(table["face"], table["barycentric"]).positions(sheet)
+
+
+def test_wrinkles_keep_to_the_stress():
+    sheet = plane(30.0, cells=24)
+    fields = FieldSet(sheet, {}, {"up": lambda: DirectionField.from_axis(sheet, (0.0, 1.0, 0.0))})
+    leather = Leather(cell_size=1.0, stress="up", wrinkle_count=40, wrinkle_length=8.0, wrinkle_angle=30.0)
+    table = leather.place(sheet, 4, fields=fields).features["wrinkle"]
+    start = sheet_points(sheet, table)
+    table_end = table.copy()
+    table_end["barycentric"] = table["end_barycentric"]
+    step = sheet_points(sheet, table_end) - start
+    length = np.linalg.norm(step, axis=1)
+    assert len(np.unique(table["curve"])) > 30
+    assert length.sum() / 40 == pytest.approx(8.0, rel=0.35)
+    assert (step[:, 1].sum()) / length.sum() > 0.8
+    joined = np.flatnonzero(np.diff(table["curve"]) == 0)
+    assert np.linalg.norm(start[joined + 1] - (start + step)[joined], axis=1).max() < 0.25
+
+
+def test_cracks_follow_the_stress_and_taper():
+    sheet = plane(12.0, cells=12)
+    fields = FieldSet(sheet, {}, {"up": lambda: DirectionField.from_axis(sheet, (0.0, 1.0, 0.0))})
+    leather = Leather(cell_size=1.0, stress="up", invasion="0.3 mm")
+    table = leather.place(sheet, 4, fields=fields).features["crack"]
+    first = np.flatnonzero(np.diff(table["curve"], prepend=-1))
+    assert table["length_mm"][first].max() <= 0.3 + 1e-9
+    end = table.copy()
+    end["barycentric"] = table["end_barycentric"]
+    step = (sheet_points(sheet, end) - sheet_points(sheet, table))[first]
+    along = np.abs(step[:, 1]) / np.maximum(np.linalg.norm(step, axis=1), 1e-12)
+    whole = np.array([table["start_mm"][i] == 0 for i in first])
+    assert whole.all()
+    straight = table["length_mm"][first] < 0.3 * (along + 0.05) + 1e-6
+    assert straight.mean() > 0.95
+
+
+def test_pig_pores_stand_in_threes(ball):
+    pattern = Leather.preset("pig").place(ball, 5)
+    place = sheet_points(ball, pattern.features["pore"]).reshape(-1, 3, 3)
+    middle = place.mean(axis=1, keepdims=True)
+    assert np.linalg.norm(place - middle, axis=2).max() < 1.3 * 0.55
+    assert np.linalg.norm(place - middle, axis=2).min() > 0.6 * 0.55
+
+
+def test_two_zones_of_anisotropy_meet():
+    sheet = plane(16.0, cells=16)
+    fields = FieldSet(
+        sheet, {"left": "x < 8"}, {"up": lambda: DirectionField.from_axis(sheet, (0.0, 1.0, 0.0))}
+    )
+    leather = Leather(cell_size="0.6 + 0.6 * left", cell_ratio=1.5, direction="up")
+    table = leather.place(sheet, 4, fields=fields).features["cell"]
+    x = sheet_points(sheet, table)[:, 0]
+    assert (x > 8).sum() > 2.5 * (x < 8).sum()
+
+
+def test_detail_finer_than_the_footprint_fades(ball):
+    pattern = Leather.preset("calf", **PLAIN).place(ball, 5)
+    fine = pattern.at(samples_on(ball, footprint=0.01))["height_mm"]
+    coarse = pattern.at(samples_on(ball, footprint=2.0))["height_mm"]
+    assert np.std(coarse) < 0.2 * np.std(fine)
+
+
+def test_too_many_features_are_refused(ball):
+    with pytest.raises(RecipeError, match="pores"):
+        Leather(cell_size=2.0, pore_density=1e6).place(ball, 1, max_features=10_000)
+
+
+def test_mistakes_name_the_nearest():
+    with pytest.raises(RecipeError, match="did you mean calf"):
+        Leather.preset("calv")
+    with pytest.raises(RecipeError, match="crista_height"):
+        Leather.preset("calf", crista_heigth=1)
