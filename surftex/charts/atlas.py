@@ -1,7 +1,7 @@
 """`Atlas`: where each corner of each face lies on a square page, and what that does to lengths.
 
-u runs right and v up, inside 0 to 1. On a page of texels, columns run right and rows run down, and texel centres
-lie at one half: column = u width, row = (1 - v) height.
+u runs right and v up, inside 0 to 1. On a page of texels, columns run right and rows run down, and texel
+centres lie at one half: column = u width, row = (1 - v) height.
 """
 
 from dataclasses import dataclass
@@ -207,8 +207,8 @@ def chart_edges(surface: Surface, corner_uv: NDArray[np.float64]) -> NDArray[np.
     Returns
     -------
     seam : (m, 3) bool
-        True at borders of the mesh, where the two sides of an edge lie apart on the page, and where the page is
-        folded over along an edge.
+        True at borders of the mesh, where the two sides of an edge lie apart on the page, and where the page
+        is folded over along an edge.
     """
     first, second = corner_uv[:, 1] - corner_uv[:, 0], corner_uv[:, 2] - corner_uv[:, 0]
     side = np.sign(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])

@@ -1,8 +1,8 @@
 """Seams made equal: the texels beside them are moved a little, so that both sides look up the same values.
 
-A sparse least-squares problem over the texels that bilinear lookup mixes along the seams [1]_, at mip 0 and, through
-the averages that mips are, at coarser ones: jumps squared, plus a small price on moving. Inside the charts nothing
-changes.
+A sparse least-squares problem over the texels that bilinear lookup mixes along the seams [1]_, at mip 0 and,
+through the averages that mips are, at coarser ones: jumps squared, plus a small price on moving. Inside the
+charts nothing changes.
 
 References
 ----------
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array, identity, vstack
+from scipy.sparse import coo_array, csr_array
 
 from surftex.charts.lookup import bilinear_stencil
 from surftex.charts.seams import SeamSamples
@@ -24,7 +24,7 @@ from surftex.errors import InputError
 PRICE = 0.02
 """Price of moving a texel, beside that of a jump."""
 
-STEPS = 200
+STEPS = 100
 """Steps of conjugate gradients at most."""
 
 
@@ -74,48 +74,63 @@ def equalise(samples: SeamSamples, image: NDArray[Any], *, mips: int = 3, price:
     InputError
         If the map has no picture's shape.
     """
-    from scipy.sparse.linalg import cg
+    from scipy.sparse.linalg import LinearOperator, cg
 
     if image.ndim not in (2, 3):
         raise InputError(f"image has shape {image.shape}; it takes (height, width) or (height, width, c)")
     result = np.array(image, np.float32)
     if len(samples) == 0:
         return Equalised(result, 0, 0.0, 0.0)
-    rows = _jump_rows(samples, image.shape[0], image.shape[1], mips)
-    taking_part, compact = np.unique(rows.indices, return_inverse=True)
-    jumps = csr_array((rows.data, compact, rows.indptr), shape=(rows.shape[0], len(taking_part)))
-    normal = (jumps.T @ jumps + price * identity(len(taking_part), format="csr")).tocsr()
+    levels = _levels(samples, image.shape[0], image.shape[1], mips)
+    taking_part = np.unique(np.concatenate([average.indices for _, average in levels]))
+    levels = [(jump, _columns(average, taking_part)) for jump, average in levels]
     flat = result.reshape(image.shape[0] * image.shape[1], -1)
     before = flat[taking_part].astype(np.float64)
+
+    def normal(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return sum(
+            (average.T @ (jump.T @ (jump @ (average @ values))) for jump, average in levels), 0.0 * values
+        )
+
+    size = len(taking_part)
+    system = LinearOperator(
+        (size, size), matvec=lambda x: normal(x.ravel()) + price * x.ravel(), dtype=np.float64
+    )
     change = np.zeros_like(before)
     for channel in range(before.shape[1]):
-        wanted = -(jumps.T @ (jumps @ before[:, channel]))
-        change[:, channel], _ = cg(normal, wanted, rtol=1e-6, maxiter=STEPS)
+        change[:, channel], _ = cg(system, -normal(before[:, channel]), rtol=1e-3, maxiter=STEPS)
     flat[taking_part] = (before + change).astype(np.float32)
     return Equalised(
         result, len(taking_part), float(np.sqrt((change**2).mean())), float(np.abs(change).max(initial=0.0))
     )
 
 
-def _jump_rows(samples: SeamSamples, height: int, width: int, mips: int) -> csr_array:
-    """Write every sample's jump at every mip as weights of the texels of mip 0."""
-    blocks = []
+def _levels(samples: SeamSamples, height: int, width: int, mips: int) -> list[tuple[csr_array, csr_array]]:
+    """Write the jumps of every mip in two steps: averages of texels into the mip's texels, and jumps of those.
+
+    A coarser mip needs fewer samples; each then counts for more.
+    """
+    levels = []
     for level in range(mips):
         side = 1 << level
         if height % side or width % side:
             break
-        here, here_weight = bilinear_stencil(samples.here_uv, width // side, height // side)
-        there, there_weight = bilinear_stencil(samples.there_uv, width // side, height // side)
-        texel = np.concatenate([here, there], axis=1)
-        weight = np.concatenate([here_weight, -there_weight], axis=1)
-        if level:
-            down, across = np.divmod(np.arange(side * side), side)
-            row, column = np.divmod(texel, width // side)
-            texel = ((row[..., None] * side + down) * width + column[..., None] * side + across).reshape(
-                len(texel), -1
-            )
-            weight = np.repeat(weight, side * side, axis=1) / (side * side)
-        sample = np.repeat(np.arange(len(texel)), texel.shape[1])
-        shape = (len(texel), height * width)
-        blocks.append(coo_array((weight.ravel(), (sample, texel.ravel())), shape=shape).tocsr())
-    return csr_array(vstack(blocks, format="csr"))
+        here, here_weight = bilinear_stencil(samples.here_uv[::side], width // side, height // side)
+        there, there_weight = bilinear_stencil(samples.there_uv[::side], width // side, height // side)
+        used, compact = np.unique(np.concatenate([here, there], axis=1), return_inverse=True)
+        weight = np.concatenate([here_weight, -there_weight], axis=1) * np.sqrt(side)
+        sample = np.repeat(np.arange(len(here)), 8)
+        jump = coo_array((weight.ravel(), (sample, compact.ravel())), shape=(len(here), len(used))).tocsr()
+        row, column = np.divmod(used, width // side)
+        down, across = np.divmod(np.arange(side * side), side)
+        texel = (row[:, None] * side + down) * width + column[:, None] * side + across
+        share = np.full(texel.size, 1.0 / (side * side))
+        start = np.arange(len(used) + 1) * side * side
+        levels.append((jump, csr_array((share, texel.ravel(), start), shape=(len(used), height * width))))
+    return levels
+
+
+def _columns(matrix: csr_array, kept: NDArray[np.integer]) -> csr_array:
+    """Renumber the columns of a matrix by their place among those that are kept."""
+    index = np.searchsorted(kept, matrix.indices)
+    return csr_array((matrix.data, index, matrix.indptr), shape=(matrix.shape[0], len(kept)))

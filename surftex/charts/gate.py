@@ -1,8 +1,8 @@
 """The gate: what an unwrap must be before a bake uses it, whoever made it; and the choice of an unwrap by it.
 
-Inside 0 to 1; every face has area; nearly all of the surface (99.9 %) stretched at most 4 times and within 4 times
-the mean density; no texel in two faces; free texels between charts. Mirrored charts may pass: artists draw them,
-and the tangents' sign takes care of them.
+Inside 0 to 1; every face has area; nearly all of the surface (99.9 %) stretched at most 4 times and within 4
+times the mean density; no texel in two faces; free texels between charts. Mirrored charts may pass: artists
+draw them, and the tangents' sign takes care of them.
 """
 
 from dataclasses import dataclass
@@ -222,7 +222,8 @@ def choose_atlas(
     surface : Surface
         What will be baked.
     uv : {"auto", "keep", "unwrap"}
-        ``"auto"`` keeps own UVs that pass the gate, and else unwraps with a note that says why; ``"keep"`` insists.
+        ``"auto"`` keeps own UVs that pass the gate, and else unwraps with a note that says why; ``"keep"``
+        insists.
     method : {"auto", "xatlas", "uvunwrap"}
         Who unwraps.
     resolution : int

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.charts.atlas import Atlas, chart_edges
+from surftex.charts.atlas import Atlas
 from surftex.charts.overlap import overlapping_faces
 from surftex.charts.quality import face_quality
 from surftex.surface.surface import Surface
@@ -21,32 +21,10 @@ TYPICAL_COVERAGE = 0.6
 """Share of the page that charts cover once they are packed; tells how fine a notch may be."""
 
 
-def chart_density(
+def true_scale(
     surface: Surface, corner_uv: NDArray[np.float64], chart: NDArray[np.int32]
 ) -> NDArray[np.float64]:
-    """Measure how large each face's chart is drawn.
-
-    Parameters
-    ----------
-    surface : Surface
-        m faces.
-    corner_uv : (m, 3, 2) float64
-        Charts on any plane.
-    chart : (m,) int32
-        Chart of each face.
-
-    Returns
-    -------
-    density : (m,) float64
-        Plane units along a millimetre, from the areas of the face's whole chart.
-    """
-    first, second = corner_uv[:, 1] - corner_uv[:, 0], corner_uv[:, 2] - corner_uv[:, 0]
-    drawn = np.bincount(chart, 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))
-    return np.sqrt(drawn / np.bincount(chart, surface.face_area_mm2))[chart]
-
-
-def bad_faces(surface: Surface, corner_uv: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Find the faces of unpacked charts that a bake cannot use.
+    """Draw every chart in millimetres, by the areas of its faces.
 
     Parameters
     ----------
@@ -54,15 +32,40 @@ def bad_faces(surface: Surface, corner_uv: NDArray[np.float64]) -> NDArray[np.bo
         m faces.
     corner_uv : (m, 3, 2) float64
         Charts on any plane, each at a scale of its own.
+    chart : (m,) int32
+        Chart of each face.
+
+    Returns
+    -------
+    sheet : (m, 3, 2) float64
+        Each chart as large as on the surface, with its lower left corner at the origin.
+    """
+    first, second = corner_uv[:, 1] - corner_uv[:, 0], corner_uv[:, 2] - corner_uv[:, 0]
+    drawn = np.bincount(chart, 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]))
+    scale = np.sqrt(drawn / np.bincount(chart, surface.face_area_mm2))
+    sheet = corner_uv / np.where(scale > 0, scale, 1)[chart][:, None, None]
+    low = np.full((len(drawn), 2), np.inf)
+    np.minimum.at(low, chart, sheet.min(axis=1))
+    return sheet - low[chart][:, None]
+
+
+def bad_faces(surface: Surface, sheet: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Find the faces of unpacked charts that a bake cannot use.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    sheet : (m, 3, 2) float64
+        Charts in millimetres, as `true_scale` draws them.
 
     Returns
     -------
     bad : (m,) bool
         Mirrored, without area, stretched, or far from the chart's density.
     """
-    chart = Atlas.of(surface, corner_uv / max(1.0, np.abs(corner_uv).max())).chart
-    quality = face_quality(surface, corner_uv)
-    return ~quality.good(chart_density(surface, corner_uv, chart)) | (quality.orientation < 0)
+    quality = face_quality(surface, sheet)
+    return ~quality.good(1.0) | (quality.orientation < 0)
 
 
 def overlap_faces(surface: Surface, atlas: Atlas, resolution: int) -> NDArray[np.int32]:
@@ -87,17 +90,28 @@ def overlap_faces(surface: Surface, atlas: Atlas, resolution: int) -> NDArray[np
 
 
 def notch_faces(
-    surface: Surface, corner_uv: NDArray[np.float64], alone: NDArray[np.bool_], resolution: int
+    surface: Surface,
+    sheet: NDArray[np.float64],
+    chart: NDArray[np.int32],
+    seam: NDArray[np.bool_],
+    alone: NDArray[np.bool_],
+    resolution: int,
 ) -> NDArray[np.bool_]:
-    """Find faces beside notches: places where a chart's border comes so near to another stretch of its own border,
-    far away on the surface, that bilinear lookup would mix the two sides.
+    """Find faces beside notches: places where bilinear lookup would mix two parts of one chart.
+
+    There a chart's border comes very near to another stretch of its own border that is far away on the
+    surface.
 
     Parameters
     ----------
     surface : Surface
         m faces.
-    corner_uv : (m, 3, 2) float64
-        Charts on any plane, each at a scale of its own.
+    sheet : (m, 3, 2) float64
+        Charts in millimetres, as `true_scale` draws them.
+    chart : (m,) int32
+        Chart of each face.
+    seam : (m, 3) bool
+        Edges where charts end.
     alone : (m,) bool
         Faces that are cut off already.
     resolution : int
@@ -111,15 +125,12 @@ def notch_faces(
     from scipy.spatial import cKDTree
 
     page_px_per_mm = resolution * np.sqrt(TYPICAL_COVERAGE / surface.area_mm2)
-    chart = Atlas.of(surface, corner_uv / max(1.0, np.abs(corner_uv).max())).chart
-    density = chart_density(surface, corner_uv, chart)
-    corner = corner_uv * (page_px_per_mm / np.where(density > 0, density, 1))[:, None, None]
-    joined = ~chart_edges(surface, corner_uv / max(1.0, np.abs(corner_uv).max()))
+    corner = sheet * page_px_per_mm
     space = surface.vertices[surface.faces]
     alone = alone.copy()
     for _ in range(NOTCH_ROUNDS):
         cut = alone[surface.neighbor] & (surface.neighbor >= 0)
-        face, edge = np.nonzero((~joined | cut) & ~alone[:, None])
+        face, edge = np.nonzero((seam | cut) & ~alone[:, None])
         if len(face) == 0:
             break
         start, end = corner[face, edge], corner[face, (edge + 1) % 3]
@@ -145,36 +156,37 @@ def _smaller(surface: Surface, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
     return np.unique(np.where(area[:, 0] < area[:, 1], pairs[:, 0], pairs[:, 1])).astype(np.int32)
 
 
-def cut_off(surface: Surface, corner_uv: NDArray[np.float64], bad: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Lay bad faces out apart, each true to its shape.
+def stand_ins(surface: Surface, face: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Draw faces flat for the packer, which cannot hold slivers: none is thinner than a thousandth of its length.
 
     Parameters
     ----------
     surface : Surface
         m faces.
-    corner_uv : (m, 3, 2) float64
-        Charts on any plane.
-    bad : (m,) bool
-        Faces to cut off.
+    face : (k,) int64
+        Faces to draw.
 
     Returns
     -------
-    corner_uv : (m, 3, 2) float64
-        Good faces inside the unit square, at one scale; bad ones in a grid to its right.
+    sheet : (k, 3, 2) float64
+        Millimetres, longest edge along x, lower left corner at the origin.
     """
-    result = corner_uv - corner_uv.reshape(-1, 2).min(axis=0)
-    result /= max(np.finfo(float).tiny, result.max())
-    alone = np.flatnonzero(bad)
-    flat = surface.flat[alone]
-    flat = flat - flat.min(axis=1, keepdims=True)
-    side = int(np.ceil(np.sqrt(len(alone))))
-    cell = (
-        np.stack([1.1 * side + np.arange(len(alone)) % side, np.arange(len(alone)) // side], axis=1)
-        * 1.1
-        / side
-    )
-    result[alone] = flat / flat.max(axis=(1, 2), keepdims=True) / side + cell[:, None]
-    return result
+    drawn = _along_longest(surface, face)
+    drawn[..., 1] *= np.maximum(1, 1e-3 * np.ptp(drawn[..., 0], axis=1) / np.ptp(drawn[..., 1], axis=1))[
+        :, None
+    ]
+    return drawn
+
+
+def _along_longest(surface: Surface, face: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Draw faces in millimetres with the longest edge along x, in the corner of the first quadrant."""
+    longest = surface.edge_length[face].argmax(axis=1)
+    index = np.arange(len(face))
+    flat = surface.flat[face] @ np.array([1, 1j])
+    along = flat[index, (longest + 1) % 3] - flat[index, longest]
+    turned = (flat - flat[index, longest][:, None]) * (along.conj() / np.abs(along))[:, None]
+    drawn = np.stack([turned.real, turned.imag], axis=2)
+    return drawn - drawn.min(axis=1, keepdims=True)
 
 
 def true_to_shape(
@@ -194,26 +206,18 @@ def true_to_shape(
     Returns
     -------
     corner_uv : (m, 3, 2) float64
-        The page with these faces upright, at the density of the page.
+        The page with these faces true to their shape.
     """
-    quality = face_quality(surface, corner_uv)
-    area = surface.face_area_mm2
-    density = np.sqrt((area * quality.density**2).sum() / area.sum())
-    longest = surface.edge_length[face].argmax(axis=1)
+    exact, longest = _along_longest(surface, face), surface.edge_length[face].argmax(axis=1)
     index = np.arange(len(face))
-    flat = surface.flat[face]
-    here = (flat[index, (longest + 1) % 3] - flat[index, longest]) @ np.array([1, 1j])
-    page = corner_uv[face]
-    there = (page[index, (longest + 1) % 3] - page[index, longest]) @ np.array([1, 1j])
-    turn = (
-        np.where(np.abs(there) > 0, there / np.where(np.abs(there) > 0, np.abs(there), 1), 1)
-        * here.conj()
-        / np.abs(here)
-    )
-    middle = (page.max(axis=1) + page.min(axis=1)) / 2
-    drawn = (flat @ np.array([1, 1j])) * turn[:, None] * density
-    drawn = np.stack([drawn.real, drawn.imag], axis=2)
-    drawn += (middle - (drawn.max(axis=1) + drawn.min(axis=1)) / 2)[:, None]
+    page = corner_uv[face] @ np.array([1, 1j])
+    along = page[index, (longest + 1) % 3] - page[index, longest]
+    length = np.abs(along)
+    turn = np.where(length > 0, along / np.where(length > 0, length, 1), 1)
+    density = (length / surface.edge_length[face, longest])[:, None]
+    turned = (exact @ np.array([1, 1j])) * density * turn[:, None]
+    drawn = np.stack([turned.real, turned.imag], axis=2)
+    shift = corner_uv[face].max(axis=1) + corner_uv[face].min(axis=1) - drawn.max(axis=1) - drawn.min(axis=1)
     result = corner_uv.copy()
-    result[face] = drawn
+    result[face] = drawn + shift[:, None] / 2
     return result

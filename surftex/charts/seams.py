@@ -145,8 +145,8 @@ def seam_jumps(
     mips : int
         Levels, each half as large; fewer where a side is odd.
     decode : callable, optional
-        ``decode(values, points)`` turns the values of one side into what is compared: tangent-space normals into
-        object-space vectors, for instance.
+        ``decode(values, points)`` turns the values of one side into what is compared: tangent-space normals
+        into object-space vectors, for instance.
 
     Returns
     -------
@@ -197,8 +197,9 @@ def seam_report(
     Returns
     -------
     report : dict
-        ``length_mm``, ``samples``, ``maps``: per name ``rms``, ``p99``, ``max`` of mip 0 and a list ``mips``, all in
-        the map's own unit; ``max``, ``rms``: the worst map's, as shares of its range of values.
+        ``length_mm``, ``samples``, ``maps``: per name ``rms``, ``p99``, ``max`` of mip 0 and a list
+        ``mips``, all in the map's own unit; ``max``, ``rms``: the worst map's, as shares of its range of
+        values.
     """
     report: dict[str, Any] = {
         "length_mm": atlas.seam_length_mm(surface),
@@ -267,8 +268,8 @@ def probe_seams(
     Returns
     -------
     levels : list of dict
-        Per mip ``rms``, ``p99``, ``max`` of the jump, ``interior`` (rms of the bilinear error at points inside charts)
-        and ``ratio`` (rms over interior).
+        Per mip ``rms``, ``p99``, ``max`` of the jump, ``interior`` (rms of the bilinear error at points
+        inside charts) and ``ratio`` (rms over interior).
     """
     from scipy.ndimage import binary_erosion
 

@@ -1,8 +1,10 @@
 """`texels`: what place of the surface each texel of a page shows.
 
-* core: the texel's centre lies in a face; the lowest face wins on shared edges, so that threads cannot matter.
-* gutter: within `gutter_px` of a chart; the texel shows what the surface shows beyond the chart's edge: the straight
-  line from the nearest edge, unfolded over the neighbouring faces, so that bilinear lookup agrees on both sides.
+* core: the texel's centre lies in a face; the lowest face wins on shared edges, so that threads cannot
+  matter.
+* gutter: within `gutter_px` of a chart; the texel shows what the surface shows beyond the chart's edge: the
+  straight line from the nearest edge, unfolded over the neighbouring faces, so that bilinear lookup agrees
+  on both sides.
 * the rest stands for no place; `Texels.image` gives it the value of the nearest mapped texel.
 
 Any range of rows has the same bytes as those rows of the whole page.
@@ -46,7 +48,8 @@ class Texels:
     core : (t,) bool
         Whether the texel's centre lies in a chart; false in the gutter.
     host : (t,) int32
-        Face whose chart the texel belongs to: the point's own in the core, that of the nearest edge in the gutter.
+        Face whose chart the texel belongs to: the point's own in the core, that of the nearest edge in the
+        gutter.
     turn_rad : (t,) float32
         Rotation that carries directions from the frame of `host` into the frame of the point's face.
     """
@@ -111,8 +114,8 @@ class Texels:
         Returns
         -------
         image : (rows, width) or (rows, width, c) array
-            Of the rows asked for; texels that stand for no place take the nearest mapped one's value. Where rows
-            are baked apart, put them into one page and fill that by `surftex.charts.fill.fill_nearest`.
+            Of the rows asked for; texels that stand for no place take the nearest mapped one's value. Where
+            rows are baked apart, put them into one page and fill that by `surftex.charts.fill.fill_nearest`.
 
         Raises
         ------

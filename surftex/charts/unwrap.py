@@ -4,8 +4,9 @@
 * ``"uvunwrap"``: far faster, seams as short or shorter.
 * ``"auto"``: xatlas up to 20,000 faces, uvunwrap above, and wherever xatlas fails or runs out of time.
 
-Whoever cuts, faces that come out mirrored, folded or stretched are cut off into charts of their own, and uvunwrap
-packs: the page is square, texels are as large everywhere, and charts keep 2 x `gutter_px` texels between them.
+Whoever cuts, faces that come out mirrored, folded or stretched are cut off into charts of their own, and
+uvunwrap packs: the page is square, texels are as large everywhere, and charts keep 2 x `gutter_px` texels
+between them.
 """
 
 import time
@@ -15,7 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.charts.atlas import Atlas
-from surftex.charts.mend import bad_faces, cut_off, notch_faces, overlap_faces, true_to_shape
+from surftex.charts.mend import (
+    bad_faces,
+    notch_faces,
+    overlap_faces,
+    stand_ins,
+    true_scale,
+    true_to_shape,
+)
 from surftex.charts.xatlas_run import xatlas_charts
 from surftex.errors import InputError, WorkError
 from surftex.kernels.pool import Tick
@@ -56,8 +64,8 @@ def unwrap(
     resolution : int
         Side in texels of the page that the gaps are made for.
     gutter_px : int, optional
-        Free texels around each chart. R texels keep k mip levels clean where R >= 1.5 * 2^k. Without it, 1/128 of
-        the page, between 2 and 16, less where many small charts would leave no room.
+        Free texels around each chart. R texels keep k mip levels clean where R >= 1.5 * 2^k. Without it,
+        1/128 of the page, between 2 and 16, less where many small charts would leave no room.
     budget_s : float
         Seconds of wall time for xatlas; beyond it uvunwrap takes over, and a note says so.
     tick : callable, optional
@@ -84,7 +92,9 @@ def unwrap(
         raise InputError(f"gutter_px is {gutter}; at {resolution} texels it takes 0 to {resolution // 4 - 1}")
     wanted = ("xatlas" if len(surface.faces) <= XATLAS_FACES else "uvunwrap") if method == "auto" else method
     notes: list[str] = []
-    vertices = unit_vertices(surface)
+    used = np.unique(surface.faces)
+    vertices = np.zeros(surface.vertices.shape, np.float32)
+    vertices[used] = unit_vertices(surface.vertices[used])
     charts = None
     if wanted == "xatlas":
         try:
@@ -94,27 +104,31 @@ def unwrap(
             notes.append(f"{problem}; uvunwrap took over")
             wanted = "uvunwrap"
     if charts is None:
-        charts = _generated(surface, vertices, resolution, _part(tick, 0, 0.7))
+        charts = _generated(surface, vertices, _part(tick, 0, 0.7))
+    drawn = Atlas.of(surface, charts / max(1.0, np.abs(charts).max()))
     if gutter_px is None:
-        gutter = _affordable(surface, charts, resolution, gutter)
-    alone = notch_faces(surface, charts, bad_faces(surface, charts), min(resolution, 4096))
+        gutter = _affordable(surface, drawn, resolution, gutter)
+    sheet = true_scale(surface, charts, drawn.chart)
+    cut = notch_faces(
+        surface, sheet, drawn.chart, drawn.seam, bad_faces(surface, sheet), min(resolution, 4096)
+    )
+    single = np.bincount(drawn.chart)[drawn.chart] == 1
     for turn in range(MENDING_ROUNDS):
-        charts = cut_off(surface, charts, alone)
-        packed, gutter = _packed(surface, vertices, charts, resolution, gutter, notes, _part(tick, 0.7, 1))
+        packed, gutter = _packed(
+            surface, sheet, drawn.chart, cut | single, resolution, gutter, notes, _part(tick, 0.7, 1)
+        )
         atlas = Atlas.of(surface, packed)
         worse = overlap_faces(surface, atlas, resolution)
-        worse = worse[~alone[worse]]
+        worse = worse[~cut[worse]]
         if len(worse) == 0:
             break
-        alone[worse] = True
+        cut[worse] = True
         if turn == MENDING_ROUNDS - 2:
-            alone |= np.isin(atlas.chart, atlas.chart[worse])
-    redraw = np.flatnonzero(alone & bad_faces(surface, packed))
-    if len(redraw):
-        packed = true_to_shape(surface, packed, redraw)
-    if alone.any():
+            cut |= np.isin(atlas.chart, atlas.chart[worse])
+    if cut.any():
         notes.append(
-            f"{alone.sum()} of {len(surface.faces)} faces lie in charts of their own: they came out folded, stretched or beside a notch"
+            f"{cut.sum()} of {len(surface.faces)} faces lie in charts of their own: "
+            "they came out folded, stretched or beside a notch"
         )
     return Atlas.of(
         surface, packed, unwrapper=wanted, resolution=resolution, gutter_px=gutter, notes=tuple(notes)
@@ -137,15 +151,15 @@ def default_gutter(resolution: int) -> int:
     return min(16, max(2, resolution // 128))
 
 
-def _affordable(surface: Surface, charts: NDArray[np.float64], resolution: int, gutter: int) -> int:
+def _affordable(surface: Surface, drawn: Atlas, resolution: int, gutter: int) -> int:
     """Halve the gutter while many small charts would leave less than `LEAST_COVERAGE` of the page for the surface.
 
-    Charts of area A, border length P and number n at d texels per mm take about A d^2 + P R d + pi R^2 n texels.
+    Charts of area A, border length P and number n at d texels per mm take about A d^2 + P R d + pi R^2 n
+    texels.
     """
-    atlas = Atlas.of(surface, charts / max(1.0, np.abs(charts).max()))
-    border_mm = float(surface.edge_length[atlas.seam].sum())
+    border_mm = float(surface.edge_length[drawn.seam].sum())
     while gutter > 2:
-        room = PACKED_SHARE * resolution**2 - np.pi * gutter**2 * atlas.chart_count
+        room = PACKED_SHARE * resolution**2 - np.pi * gutter**2 * drawn.chart_count
         if room > 0:
             density = np.sqrt((border_mm * gutter) ** 2 + 4 * surface.area_mm2 * room) - border_mm * gutter
             density /= 2 * surface.area_mm2
@@ -155,22 +169,21 @@ def _affordable(surface: Surface, charts: NDArray[np.float64], resolution: int, 
     return gutter
 
 
-def unit_vertices(surface: Surface) -> NDArray[np.float32]:
-    """Bring the vertices to size one around the origin, where single precision serves any scale.
+def unit_vertices(vertices: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Bring points to size one around the origin, where single precision serves any scale.
 
     Parameters
     ----------
-    surface : Surface
-        n vertices.
+    vertices : (n, 3) float64
+        At any scale and place.
 
     Returns
     -------
     vertices : (n, 3) float32
         The longest side of their box is one.
     """
-    used = surface.vertices[np.unique(surface.faces)]
-    low, high = used.min(axis=0), used.max(axis=0)
-    return np.ascontiguousarray((surface.vertices - (low + high) / 2) / (high - low).max(), np.float32)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    return np.ascontiguousarray((vertices - (low + high) / 2) / (high - low).max(), np.float32)
 
 
 def _even_scale(surface: Surface, charts: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -193,9 +206,7 @@ def _part(tick: Tick | None, start: float, end: float) -> Tick | None:
     return None if tick is None else lambda share: tick(start + (end - start) * min(1.0, max(0.0, share)))
 
 
-def _generated(
-    surface: Surface, vertices: NDArray[np.float32], resolution: int, tick: Tick | None
-) -> NDArray[np.float64]:
+def _generated(surface: Surface, vertices: NDArray[np.float32], tick: Tick | None) -> NDArray[np.float64]:
     """Cut and flatten by uvunwrap, packed in haste."""
     import uvunwrap
 
@@ -209,32 +220,39 @@ def _generated(
 
 def _packed(
     surface: Surface,
-    vertices: NDArray[np.float32],
-    charts: NDArray[np.float64],
+    sheet: NDArray[np.float64],
+    chart: NDArray[np.int32],
+    alone: NDArray[np.bool_],
     resolution: int,
     gutter: int,
     notes: list[str],
     tick: Tick | None,
 ) -> tuple[NDArray[np.float64], int]:
-    """Pack given charts by uvunwrap, which brings them to one scale and keeps their shapes."""
+    """Pack given charts by uvunwrap, which keeps their shapes."""
     import uvunwrap
 
-    low = charts.reshape(-1, 2).min(axis=0)
-    unit = ((charts - low) / max(np.ptp(charts.reshape(-1, 2), axis=0).max(), np.finfo(float).tiny)).astype(
-        np.float32
-    )
-    place = np.ascontiguousarray(unit.reshape(-1, 2)).view(np.int64)[:, 0]
-    order = np.lexsort([place, surface.faces.ravel()])
-    new = np.ones(len(order), bool)
-    new[1:] = (np.diff(place[order]) != 0) | (np.diff(surface.faces.ravel()[order]) != 0)
+    single = np.flatnonzero(alone)
+    sheet, chart = sheet.copy(), chart.astype(np.int64)
+    sheet[single] = stand_ins(surface, single)
+    chart[single] = chart.max() + 1 + np.arange(len(single))
+    flat = (sheet / sheet.max()).astype(np.float32).reshape(-1, 2)
+    space = surface.vertices[surface.faces]
+    space[single] = space[single, :1] + np.concatenate([sheet[single], np.zeros((len(single), 3, 1))], axis=2)
+    place, layer = flat.view(np.int64)[:, 0], np.repeat(chart, 3)
+    order = np.lexsort([place, surface.faces.ravel(), layer])
+    new = np.zeros(len(order), bool)
+    new[0] = True
+    for key in (place, surface.faces.ravel(), layer):
+        new[1:] |= np.diff(key[order]) != 0
     first, index = order[new], np.zeros(len(order), np.int64)
     index[order] = np.cumsum(new) - 1
     mesh = uvunwrap.Mesh(
-        np.ascontiguousarray(vertices[surface.faces.ravel()[first]]),
+        unit_vertices(space.reshape(-1, 3)[first]),
         np.ascontiguousarray(index.reshape(-1, 3), np.uint32),
-        existing_uvs=np.ascontiguousarray(unit.reshape(-1, 2)[first]),
+        existing_uvs=np.ascontiguousarray(flat[first]),
     )
-    return _fitted(mesh, resolution, gutter, notes, tick)
+    page, gutter = _fitted(mesh, resolution, gutter, notes, tick)
+    return true_to_shape(surface, page, single), gutter
 
 
 def _fitted(
@@ -258,12 +276,13 @@ def _fitted(
         gutter //= 2
     if gutter != asked:
         notes.append(f"the page has no room for {asked} free texels around each chart; they have {gutter}")
-    return _corners(result), gutter
+    return _corners(result) / resolution, gutter
 
 
 def _corners(result: Any) -> NDArray[np.float64]:
-    """Read the corners out of uvunwrap's answer."""
-    return np.frombuffer(result.meshes[0].corner_uvs, np.float32).reshape(-1, 3, 2).astype(np.float64)
+    """Read the corners out of uvunwrap's answer, in texels; it divides them by the two sides of what it filled."""
+    share = np.frombuffer(result.meshes[0].corner_uvs, np.float32).reshape(-1, 3, 2).astype(np.float64)
+    return share * [result.width, result.height]
 
 
 def _finished(job: Any, tick: Tick | None) -> Any:

@@ -1,7 +1,7 @@
 """The process that xatlas runs in: reads a mesh file of arrays, writes charts. It imports nothing of surftex.
 
-Called as ``python xatlas_child.py INPUT.npz OUTPUT.npz``. xatlas holds the interpreter lock and cannot be stopped, so
-its process can be killed instead.
+Called as ``python xatlas_child.py INPUT.npz OUTPUT.npz``. xatlas holds the interpreter lock and cannot be
+stopped, so its process can be killed instead.
 """
 
 import sys

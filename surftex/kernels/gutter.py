@@ -10,10 +10,10 @@ def nearest_edge_band(corner, edge_face, edge_side, candidate, radius, first_row
     """Find the nearest chart edge of every texel without a face, within a radius.
 
     corner (m, 3, 2) float64 texels; edge_face, edge_side (e,) int32: chart edges, each seen from its face;
-    candidate (k,) int32: edges that may matter to the band, ascending; face (rows, width) int32, -1 where free;
-    near (rows, width) float64, inf on entry: squared distance; square (rows, width) float64, -inf on entry: how far
-    outside of the edge's line; owner (rows, width) int32, -1 on entry. At a corner that two edges share, the edge
-    that the texel is most squarely outside of wins; then the lower one.
+    candidate (k,) int32: edges that may matter to the band, ascending; face (rows, width) int32, -1 where
+    free; near (rows, width) float64, inf on entry: squared distance; square (rows, width) float64, -inf on
+    entry: how far outside of the edge's line; owner (rows, width) int32, -1 on entry. At a corner that two
+    edges share, the edge that the texel is most squarely outside of wins; then the lower one.
     """
     rows, width = face.shape
     for k in range(len(candidate)):
@@ -71,11 +71,11 @@ def continue_band(
 ):
     """Walk from the nearest chart edge of every gutter texel straight on over the surface.
 
-    The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line from
-    the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the mesh it
-    stops. face, host (rows, width) int32, weight (rows, width, 3), turn (rows, width) float64 are filled where
-    owner (rows, width) int32 names an edge: the face reached, the face left, and the turn from its frame into the
-    reached one's.
+    The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line
+    from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
+    mesh it stops. face, host (rows, width) int32, weight (rows, width, 3), turn (rows, width) float64 are
+    filled where owner (rows, width) int32 names an edge: the face reached, the face left, and the turn from
+    its frame into the reached one's.
     """
     rows, width = owner.shape
     for r in range(rows):
@@ -176,8 +176,9 @@ def nearest_in_columns(mapped, row):
 def nearest_in_rows(row, first, last, site, reach, source):
     """Find the nearest mapped texel of each texel of rows [first, last): the lower envelope of its row's parabolas.
 
-    row (height, width) int32 of `nearest_in_columns`; site (width,) int64 and reach (width + 1,) float64: room to
-    work in; source (height, width) int64: flat index of the nearest mapped texel, -1 where nothing is mapped.
+    row (height, width) int32 of `nearest_in_columns`; site (width,) int64 and reach (width + 1,) float64:
+    room to work in; source (height, width) int64: flat index of the nearest mapped texel, -1 where nothing
+    is mapped.
     """
     width = row.shape[1]
     for r in range(first, last):

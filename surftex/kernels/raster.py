@@ -7,9 +7,10 @@ from surftex.kernels.jit import kernel
 def raster_band(corner, candidate, first_row, face, weight):
     """Give every texel centre of a band of rows to the lowest face that holds it.
 
-    corner (m, 3, 2) float64: column and row of each corner in texels, centres at one half; candidate (k,) int32:
-    faces that may touch the band, ascending; face (rows, width) int32, -1 on entry; weight (rows, width, 3) float64.
-    Texels on an edge belong to both its faces within 1e-9 of a weight. Faces without area own nothing.
+    corner (m, 3, 2) float64: column and row of each corner in texels, centres at one half; candidate (k,)
+    int32: faces that may touch the band, ascending; face (rows, width) int32, -1 on entry; weight (rows,
+    width, 3) float64. Texels on an edge belong to both its faces within 1e-9 of a weight. Faces without area
+    own nothing.
     """
     rows, width = face.shape
     for k in range(len(candidate)):
@@ -43,8 +44,8 @@ def raster_band(corner, candidate, first_row, face, weight):
 def overlap_band(corner, candidate, first_row, margin, count, first, second):
     """Count the faces that hold each texel centre by more than a margin.
 
-    As `raster_band`; margin: texels that a centre must lie inside of each edge; count (rows, width) int32, 0 on
-    entry; first, second (rows, width) int32: the two lowest faces that hold it, -1 where there is none.
+    As `raster_band`; margin: texels that a centre must lie inside of each edge; count (rows, width) int32, 0
+    on entry; first, second (rows, width) int32: the two lowest faces that hold it, -1 where there is none.
     """
     rows, width = count.shape
     for k in range(len(candidate)):
