@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from surftex.materials.parameters import Amount, Color, Length, LengthField, NumberField, PositiveLength, Share
+from surftex.materials.parameters import (
+    Amount,
+    Color,
+    Length,
+    LengthField,
+    NumberField,
+    PositiveLength,
+    Share,
+)
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
