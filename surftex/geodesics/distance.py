@@ -21,8 +21,8 @@ from surftex.surface.surface import Surface
 EXACT_EDGES = 20.0
 """Up to this radius in mean edge lengths windows are both faster and better than heat."""
 
-EXACT_FACES = 20_000
-"""Sources times faces up to which windows are used without any radius."""
+EXACT_WINDOWS = 5e6
+"""Expected windows, a quarter of faces to the power 1.5 for each source, up to which they are used at any radius."""
 
 
 def geodesic_distance(
@@ -47,7 +47,7 @@ def geodesic_distance(
     radius : float, optional
         Millimetres to look; without it as far as the surface goes.
     method : {"auto", "exact", "heat"}
-        "auto" is exact within twenty mean edge lengths, and on small meshes at any distance; heat beyond.
+        "auto" is exact within twenty mean edge lengths, and wherever that takes no more than seconds; heat beyond.
     threads : int, optional
         None means every core; the result does not depend on it.
 
@@ -76,7 +76,8 @@ def geodesic_distance(
     reach = np.inf if radius is None else float(radius)
     if method == "auto":
         near = reach <= EXACT_EDGES * surface.mean_edge_mm
-        small = len(sources) * len(surface.faces) <= EXACT_FACES
+        faces = len(surface.faces) * min(1.0, np.pi * reach**2 / surface.area_mm2)
+        small = 0.25 * len(sources) * faces**1.5 <= EXACT_WINDOWS
         method = "exact" if near or small else "heat"
     if method == "heat":
         from surftex.geodesics.heat import HeatSolver

@@ -20,7 +20,7 @@ Result = TypeVar("Result")
 Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
 
 _ALL: dict[str, Any] = {"error_model": "numpy", "nogil": True}
-_INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
 
 kernel: Decorator = numba.njit(cache=True, **_ALL)
 """Decorator of every kernel. Arguments are checked by numba, by the types of the arrays that come in."""
