@@ -88,10 +88,6 @@ def bake(
     >>> maps["height"].shape  # doctest: +SKIP
     (64, 64)
     """
-    if threads is not None and threads < 1:
-        raise InputError(f"threads is {threads}; it takes at least 1")
-    if tile is not None and tile < 1:
-        raise InputError(f"tile is {tile}; it takes at least 1 row")
     subject, recipe = _recipe_and_subject(subject, material)
     whole = Recipe.of(
         recipe,
@@ -145,6 +141,10 @@ def run(
     WorkError
         As for `bake`.
     """
+    if threads is not None and threads < 1:
+        raise InputError(f"threads is {threads}; it takes at least 1")
+    if tile is not None and tile < 1:
+        raise InputError(f"tile is {tile}; it takes at least 1 row")
     try:
         return _bake(subject, recipe, features, threads, tile, Stages(progress))
     except MemoryError:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import RecipeError
+from surftex.errors import InputError, RecipeError
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.sources import Field
 from surftex.kernels.pool import Tick
@@ -149,7 +149,7 @@ def place_stack(
                     max_features=recipe.bake.max_features, threads=threads, tick=told,
                 )
             )  # fmt: skip
-        except RecipeError as problem:
+        except InputError as problem:
             raise RecipeError(f"{label}: {problem}") from None
     return Stack(tuple(patterns), tuple(masks))
 

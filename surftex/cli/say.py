@@ -2,6 +2,8 @@
 
 import sys
 
+from surftex.errors import WorkError
+
 
 def note(text: str) -> None:
     """Print a line on stderr, with the command's name before it.
@@ -51,4 +53,10 @@ def _print(text: str, stream: object) -> None:
         return
     encoding = getattr(stream, "encoding", None) or "utf-8"
     safe = text.encode(encoding, "backslashreplace").decode(encoding)
-    print(safe, file=stream)  # type: ignore[arg-type]
+    try:
+        print(safe, file=stream)  # type: ignore[arg-type]
+    except BrokenPipeError:
+        raise
+    except OSError as problem:
+        if stream is sys.stdout:
+            raise WorkError(f"cannot write to stdout: {problem.strerror}") from None
