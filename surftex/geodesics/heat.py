@@ -210,7 +210,8 @@ class HeatSolver:
     ) -> NDArray[np.float64]:
         """Measure the vertices of one component from curves; inf elsewhere.
 
-        Each piece goes to the library as a curve of its own: two nodes that do not share a face crash it.
+        Each piece goes to the library as a curve of its own: two nodes that do not share a face crash it. It makes
+        the mean over the curves 0.
         """
         solver, faces, used = self._part("curves", component)
         local = np.searchsorted(faces, face).tolist()
@@ -223,10 +224,6 @@ class HeatSolver:
             raise _failed(component, "the solution is not finite")
         result = np.full(len(self.surface.vertices), np.inf)
         result[used] = value
-        middle = 0.5 * (start + end)
-        length = np.linalg.norm(np.einsum("pk,pki->pi", end - start, self.surface.flat[face]), axis=1)
-        level = (result[self.surface.faces[face]] * middle).sum(axis=1)
-        result[used] -= (level * length).sum() / length.sum()
         return result
 
 
