@@ -93,9 +93,11 @@ def equalise(samples: SeamSamples, image: NDArray[Any], *, mips: int = 3, price:
         )
 
     size = len(taking_part)
-    system = LinearOperator(
-        (size, size), matvec=lambda x: normal(x.ravel()) + price * x.ravel(), dtype=np.float64
-    )
+
+    def moved(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return normal(values.ravel()) + price * values.ravel()
+
+    system = LinearOperator((size, size), matvec=moved, dtype=np.float64)  # pyright: ignore[reportCallIssue]
     change = np.zeros_like(before)
     for channel in range(before.shape[1]):
         change[:, channel], _ = cg(system, -normal(before[:, channel]), rtol=1e-3, maxiter=STEPS)
@@ -120,7 +122,8 @@ def _levels(samples: SeamSamples, height: int, width: int, mips: int) -> list[tu
         used, compact = np.unique(np.concatenate([here, there], axis=1), return_inverse=True)
         weight = np.concatenate([here_weight, -there_weight], axis=1) * np.sqrt(side)
         sample = np.repeat(np.arange(len(here)), 8)
-        jump = coo_array((weight.ravel(), (sample, compact.ravel())), shape=(len(here), len(used))).tocsr()
+        places = (sample, compact.ravel())
+        jump = csr_array(coo_array((weight.ravel(), places), shape=(len(here), len(used))))
         row, column = np.divmod(used, width // side)
         down, across = np.divmod(np.arange(side * side), side)
         texel = (row[:, None] * side + down) * width + column[:, None] * side + across
@@ -133,4 +136,4 @@ def _levels(samples: SeamSamples, height: int, width: int, mips: int) -> list[tu
 def _columns(matrix: csr_array, kept: NDArray[np.integer]) -> csr_array:
     """Renumber the columns of a matrix by their place among those that are kept."""
     index = np.searchsorted(kept, matrix.indices)
-    return csr_array((matrix.data, index, matrix.indptr), shape=(matrix.shape[0], len(kept)))
+    return csr_array((matrix.data, index, matrix.indptr), shape=(len(matrix.indptr) - 1, len(kept)))

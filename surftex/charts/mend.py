@@ -122,7 +122,7 @@ def notch_faces(
     alone : (m,) bool
         With the smaller face of each such pair; without them the notches are wide.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     page_px_per_mm = resolution * np.sqrt(TYPICAL_COVERAGE / surface.area_mm2)
     corner = sheet * page_px_per_mm
@@ -141,7 +141,7 @@ def notch_faces(
         page = start[index] * (1 - along) + end[index] * along
         place = space[face, edge][index] * (1 - along) + space[face, (edge + 1) % 3][index] * along
         layer = chart[face[index], None] * (4 * NOTCH_PX)
-        pairs = cKDTree(np.hstack([page, layer])).query_pairs(NOTCH_PX, output_type="ndarray")
+        pairs = KDTree(np.hstack([page, layer])).query_pairs(NOTCH_PX, output_type="ndarray")
         apart = np.linalg.norm(place[pairs[:, 0]] - place[pairs[:, 1]], axis=1) * page_px_per_mm
         both = face[index[pairs[apart > APART_PX]]]
         if len(both) == 0:

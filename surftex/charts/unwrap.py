@@ -113,6 +113,7 @@ def unwrap(
         surface, sheet, drawn.chart, drawn.seam, bad_faces(surface, sheet), min(resolution, 4096)
     )
     single = np.bincount(drawn.chart)[drawn.chart] == 1
+    packed, worse = charts, np.zeros(0, np.int32)
     for turn in range(MENDING_ROUNDS):
         packed, gutter = _packed(
             surface, sheet, drawn.chart, cut | single, resolution, gutter, notes, _part(tick, 0.7, 1)
@@ -125,6 +126,10 @@ def unwrap(
         cut[worse] = True
         if turn == MENDING_ROUNDS - 2:
             cut |= np.isin(atlas.chart, atlas.chart[worse])
+    else:
+        raise WorkError(
+            f"faces still overlap after packing {MENDING_ROUNDS} times; the first is {int(worse[0])}"
+        )
     if cut.any():
         notes.append(
             f"{cut.sum()} of {len(surface.faces)} faces lie in charts of their own: "
@@ -232,13 +237,13 @@ def _packed(
     import uvunwrap
 
     single = np.flatnonzero(alone)
-    sheet, chart = sheet.copy(), chart.astype(np.int64)
+    sheet, layers = sheet.copy(), chart.astype(np.int64)
     sheet[single] = stand_ins(surface, single)
-    chart[single] = chart.max() + 1 + np.arange(len(single))
+    layers[single] = layers.max() + 1 + np.arange(len(single))
     flat = (sheet / sheet.max()).astype(np.float32).reshape(-1, 2)
     space = surface.vertices[surface.faces]
     space[single] = space[single, :1] + np.concatenate([sheet[single], np.zeros((len(single), 3, 1))], axis=2)
-    place, layer = flat.view(np.int64)[:, 0], np.repeat(chart, 3)
+    place, layer = flat.view(np.int64)[:, 0], np.repeat(layers, 3)
     order = np.lexsort([place, surface.faces.ravel(), layer])
     new = np.zeros(len(order), bool)
     new[0] = True

@@ -73,8 +73,8 @@ def continue_band(
 
     The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line
     from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
-    mesh it stops. face, host (rows, width) int32, weight (rows, width, 3), turn (rows, width) float64 are
-    filled where owner (rows, width) int32 names an edge: the face reached, the face left, and the turn from
+    mesh it goes on along the border. face, host (rows, width) int32, weight (rows, width, 3), turn
+    (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face left, and the turn from
     its frame into the reached one's.
     """
     rows, width = owner.shape
@@ -105,6 +105,7 @@ def continue_band(
                 ty = two * flat[f, 2, 1]
             g, entered, cosine, sine = f, -1, 1.0, 0.0
             w0, w1, w2 = 1.0, 0.0, 0.0
+            slides = 0
             for step in range(4096):
                 bx, cx, cy = flat[g, 1, 0], flat[g, 2, 0], flat[g, 2, 1]
                 w2 = ty / cy
@@ -134,11 +135,17 @@ def continue_band(
                     along = ((tx - flat[g, leave, 0]) * ux + (ty - flat[g, leave, 1]) * uy) / (
                         ux * ux + uy * uy
                     )
+                    tx, ty = flat[g, leave, 0] + along * ux, flat[g, leave, 1] + along * uy
                     along = min(1.0, max(0.0, along))
+                    sx, sy = flat[g, leave, 0] + along * ux, flat[g, leave, 1] + along * uy
                     w0 = along if after == 0 else (1.0 - along if leave == 0 else 0.0)
                     w1 = along if after == 1 else (1.0 - along if leave == 1 else 0.0)
                     w2 = along if after == 2 else (1.0 - along if leave == 2 else 0.0)
-                    break
+                    slides += 1
+                    if slides == 8:
+                        break
+                    entered = leave
+                    continue
                 k, s = transport[g, leave, 0], transport[g, leave, 1]
                 mx, my = transport[g, leave, 2], transport[g, leave, 3]
                 sx, sy = k * sx - s * sy + mx, s * sx + k * sy + my

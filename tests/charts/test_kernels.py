@@ -1,0 +1,109 @@
+"""Kernels of the charts room against their slow twins."""
+
+import numpy as np
+import pytest
+
+from surftex.arrays import frozen
+from surftex.charts.fill import fill_nearest, nearest_mapped
+from surftex.charts.overlap import MARGIN_PX, overlapping_faces
+from surftex.charts.texels import texels
+from surftex.charts.unwrap import unwrap
+from surftex.errors import InputError
+from surftex.kernels.gutter import nearest_edge_band
+from surftex.kernels.raster import raster_band
+from surftex.randomness import stream
+from surftex.surface.shapes import cylinder, sphere
+from tests.oracles import charts as oracle
+
+SIDE = 24
+
+
+def triangles(seed, count):
+    return frozen(stream(seed, "test").uniform(count, 6).reshape(count, 3, 2) * (SIDE + 8) - 4)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_raster_gives_texels_to_the_lowest_face(seed):
+    corner = triangles(seed, 9)
+    face, weight = np.full((SIDE, SIDE), -1, np.int32), np.zeros((SIDE, SIDE, 3))
+    raster_band(corner, frozen(np.arange(9, dtype=np.int32)), 0, face, weight)
+    expected, expected_weight = oracle.owners(corner, SIDE, SIDE)
+    assert np.array_equal(face, expected)
+    np.testing.assert_allclose(weight, expected_weight, atol=1e-9)
+
+
+def test_raster_of_a_band_is_that_part_of_the_page():
+    corner = triangles(7, 12)
+    listed = frozen(np.arange(12, dtype=np.int32))
+    page, part = np.full((SIDE, SIDE), -1, np.int32), np.full((5, SIDE), -1, np.int32)
+    page_weight, part_weight = np.zeros((SIDE, SIDE, 3)), np.zeros((5, SIDE, 3))
+    raster_band(corner, listed, 0, page, page_weight)
+    raster_band(corner, listed, 9, part, part_weight)
+    assert np.array_equal(part, page[9:14])
+    assert part_weight[part >= 0] == pytest.approx(page_weight[9:14][part >= 0], abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_overlap_counts_the_faces_around_a_texel(seed):
+    corner = triangles(seed, 6)
+    count, pairs = overlapping_faces(corner, SIDE)
+    held = oracle.holders(corner, SIDE, SIDE, MARGIN_PX)
+    assert count == (held > 1).sum() > 0
+    assert (pairs[:, 0] < pairs[:, 1]).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gutter_finds_the_nearest_edge(seed):
+    corner = triangles(seed, 2)
+    edges = [(f, i) for f in range(2) for i in range(3)]
+    edge_face, edge_side = (frozen(np.array(part, np.int32)) for part in zip(*edges, strict=True))
+    face, weight = np.full((SIDE, SIDE), -1, np.int32), np.zeros((SIDE, SIDE, 3))
+    raster_band(corner, frozen(np.arange(2, dtype=np.int32)), 0, face, weight)
+    near, square = np.full(face.shape, np.inf), np.full(face.shape, -np.inf)
+    owner = np.full(face.shape, -1, np.int32)
+    listed = frozen(np.arange(6, dtype=np.int32))
+    nearest_edge_band(corner, edge_face, edge_side, listed, 6.0, 0, face, near, square, owner)
+    assert np.array_equal(owner, oracle.nearest_edges(corner, edges, 6.0, face))
+    assert (owner >= 0).any()
+
+
+@pytest.mark.parametrize(
+    "surface", [sphere(subdivisions=2), cylinder(columns=14, rows=7)], ids=["ball", "tube"]
+)
+def test_gutter_walks_as_triangles_laid_out_by_their_lengths(surface):
+    side = 96
+    page = texels(surface, atlas := unwrap(surface, method="uvunwrap", resolution=side, gutter_px=5), side)
+    corner = atlas.corner_px(side)
+    gutter = np.flatnonzero(~page.core)
+    foot = page.host_points.flat(surface)
+    compared = 0
+    for k in gutter[::7]:
+        host = int(page.host[k])
+        centre = np.array([page.texel[k] % side + 0.5, page.texel[k] // side + 0.5, 1])
+        weight = np.linalg.solve(np.vstack([corner[host].T, np.ones(3)]), centre)
+        if np.sort(page.host_points.barycentric[k])[1] < 1e-9:
+            continue
+        face, there, turn = oracle.straight_walk(surface, host, foot[k], weight @ surface.flat[host])
+        expected = there @ surface.vertices[surface.faces[face]]
+        found = page.points.barycentric[k] @ surface.vertices[surface.faces[page.points.face[k]]]
+        np.testing.assert_allclose(found, expected, atol=1e-6)
+        if face == page.points.face[k]:
+            assert np.exp(1j * page.turn_rad[k]) == pytest.approx(np.exp(1j * turn), abs=1e-5)
+        compared += 1
+    assert compared > 50
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_fill_takes_the_nearest_mapped_texel(seed):
+    mapped = stream(seed, "holes").uniform(19 * 31)[:, 0].reshape(19, 31) < 0.03
+    mapped[4, 7] = True
+    source = nearest_mapped(mapped)
+    assert mapped.ravel()[source].all()
+    row, column = np.indices(mapped.shape)
+    away = np.hypot(source // 31 - row, source % 31 - column)
+    np.testing.assert_allclose(away, oracle.nearest_mapped_distance(mapped), atol=1e-12)
+
+
+def test_fill_refuses_an_empty_page():
+    with pytest.raises(InputError, match="no texel of the 4 x 3 page is mapped"):
+        fill_nearest(np.zeros((3, 4)), np.zeros((3, 4), bool))

@@ -1,0 +1,118 @@
+"""Slow, obvious twins of the charts room."""
+
+import numpy as np
+
+
+def owners(corner, width, height):
+    """Lowest face around each texel's centre, and its weights, by solving for the weights."""
+    face, weight = np.full((height, width), -1), np.zeros((height, width, 3))
+    for r in range(height):
+        for c in range(width):
+            for f in range(len(corner)):
+                system = np.vstack([corner[f].T, np.ones(3)])
+                if abs(np.linalg.det(system)) < 1e-12:
+                    continue
+                solved = np.linalg.solve(system, [c + 0.5, r + 0.5, 1])
+                if solved.min() >= -1e-9:
+                    face[r, c], weight[r, c] = f, np.maximum(solved, 0) / np.maximum(solved, 0).sum()
+                    break
+    return face, weight
+
+
+def holders(corner, width, height, margin):
+    """Number of faces that each texel's centre lies inside of, by more than a margin in texels."""
+    count = np.zeros((height, width), int)
+    for triangle in corner:
+        if np.linalg.det(np.vstack([triangle.T, np.ones(3)])) < 0:
+            triangle = triangle[::-1]
+        for r in range(height):
+            for c in range(width):
+                inside = []
+                for i in range(3):
+                    a, b = triangle[i], triangle[(i + 1) % 3]
+                    d = b - a
+                    inside.append((d[0] * (r + 0.5 - a[1]) - d[1] * (c + 0.5 - a[0])) / np.linalg.norm(d))
+                count[r, c] += min(inside) > margin
+    return count
+
+
+def nearest_edges(corner, edges, radius, face):
+    """Nearest edge of each free texel: distance, then how squarely outside, then order."""
+    owner = np.full(face.shape, -1)
+    for r, c in np.argwhere(face < 0):
+        best = None
+        for e, (f, i) in enumerate(edges):
+            a, b, o = corner[f, i], corner[f, (i + 1) % 3], corner[f, (i + 2) % 3]
+            p, d = np.array([c + 0.5, r + 0.5]), b - a
+            foot = a + d * np.clip((p - a) @ d / (d @ d), 0, 1)
+            away = (p - foot) @ (p - foot)
+            normal = np.array([d[1], -d[0]]) / np.linalg.norm(d)
+            outside = (p - a) @ (normal if (o - a) @ normal < 0 else -normal)
+            if away > radius**2:
+                continue
+            if best is None or away < best[0] - 1e-5 or (away <= best[0] + 1e-5 and outside > best[1]):
+                best = (away, outside)
+                owner[r, c] = e
+    return owner
+
+
+def straight_walk(surface, face, start, target):
+    """Lay triangles out flat along a straight line, by their edge lengths in space alone.
+
+    From `start` to `target`, both in the frame of `face`; goes on along borders.
+    Returns the face, the weights there, and the turn from the first frame into the last.
+    """
+    laid = {int(surface.faces[face, i]): complex(*surface.flat[face, i]) for i in range(3)}
+    here, there = complex(*start), complex(*target)
+    came, slides = -1, 0
+    while True:
+        names = [int(v) for v in surface.faces[face]]
+        corner = np.array([laid[v] for v in names])
+        system = np.vstack([corner.real, corner.imag, np.ones(3)])
+        weight = np.linalg.solve(system, [there.real, there.imag, 1])
+        from_weight = np.linalg.solve(system, [here.real, here.imag, 1])
+        crossings = []
+        for i in range(3):
+            edge = (i + 1) % 3
+            if edge != came and weight[i] < -1e-12:
+                inside = max(from_weight[i], 0)
+                crossings.append((inside / (inside - weight[i]), weight[i], edge))
+        x_axis = corner[1] - corner[0]
+        if not crossings:
+            weight = np.maximum(weight, 0)
+            return face, weight / weight.sum(), -np.angle(x_axis)
+        edge = min(crossings)[2]
+        other = int(surface.neighbor[face, edge])
+        a, b = names[edge], names[(edge + 1) % 3]
+        if other < 0:
+            d = laid[b] - laid[a]
+            along = ((there - laid[a]) * d.conjugate()).real / abs(d) ** 2
+            there = laid[a] + along * d
+            here = laid[a] + np.clip(along, 0, 1) * d
+            came = edge
+            slides += 1
+            if slides == 8:
+                weight = np.zeros(3)
+                weight[edge], weight[(edge + 1) % 3] = 1 - np.clip(along, 0, 1), np.clip(along, 0, 1)
+                return face, weight, -np.angle(x_axis)
+            continue
+        came = int(surface.neighbor_edge[face, edge])
+        apex = int(next(v for v in surface.faces[other] if v not in (a, b)))
+        space = surface.vertices
+        ab, side_a, side_b = (np.linalg.norm(space[p] - space[q]) for p, q in ((a, b), (a, apex), (b, apex)))
+        along = (ab**2 + side_a**2 - side_b**2) / (2 * ab)
+        up = np.sqrt(max(side_a**2 - along**2, 0))
+        direction = (laid[b] - laid[a]) / abs(laid[b] - laid[a])
+        laid = {a: laid[a], b: laid[b], apex: laid[a] + direction * complex(along, -up)}
+        face = other
+
+
+def nearest_mapped_distance(mapped):
+    """Distance to the nearest mapped texel, over all of them."""
+    places = np.argwhere(mapped)
+    return np.array(
+        [
+            [np.sqrt(((places - (r, c)) ** 2).sum(axis=1).min()) for c in range(mapped.shape[1])]
+            for r in range(mapped.shape[0])
+        ]
+    )
