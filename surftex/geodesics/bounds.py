@@ -11,8 +11,8 @@ from surftex.surface.surface import Surface
 def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np.float64]:
     """Bound the distance to the k-th nearest of some sources, anywhere on each face.
 
-    Walks along edges bound it at the corners; from a corner, no place of the face is farther than its longer edge. The
-    bound is good where sources are several edges apart, and loose where faces hold many: a radius serves those.
+    Walks along edges bound it at the corners; inside, the walk
+    from the best corner is added. The bound is good where sources are several edges apart, and loose where faces hold many: a radius serves those.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np
     bound_mm : (m,) float64
         For `flood_points`; inf where fewer than k sources can be reached.
     """
-    from surftex.kernels.bounds import nearest_labels
+    from surftex.kernels.bounds import face_bounds, nearest_labels
 
     points.check_on(surface)
     vertices = len(surface.vertices)
@@ -55,7 +55,6 @@ def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np
             used,
         )
         room *= 2
-    edge = surface.edge_length
-    longer = np.maximum(edge, np.roll(edge, 1, axis=1))
-    corner_bound = length[:, k - 1][surface.faces] + longer
-    return frozen(corner_bound.min(axis=1) * (1 + 1e-9))
+    bound = np.zeros(len(surface.faces))
+    face_bounds(surface.faces, surface.flat, frozen(length[:, k - 1].copy()), 4, bound)
+    return frozen(bound * (1 + 1e-9))

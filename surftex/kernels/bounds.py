@@ -109,3 +109,30 @@ def nearest_labels(
             heap_item[c, 1] = source
             waiting += 1
     return 0
+
+
+@kernel
+def face_bounds(faces, flat, length, steps, bound):
+    """Bound, on each face, the least over its corners of length[corner] plus the walk there: bound (m,).
+
+    Faces are cut into steps^2 triangles; a walk to a corner is longest at a corner of such a triangle.
+    """
+    for f in range(len(faces)):
+        ux, uy = flat[f, 1, 0] / steps, flat[f, 1, 1] / steps
+        wx, wy = flat[f, 2, 0] / steps, flat[f, 2, 1] / steps
+        most = 0.0
+        for i in range(steps):
+            for j in range(steps - i):
+                for upper in range(1 if i + j == steps - 1 else 2):
+                    least = math.inf
+                    for corner in range(3):
+                        x, y = flat[f, corner, 0], flat[f, corner, 1]
+                        far = 0.0
+                        for q in range(3):
+                            a = i + (q == 1) if upper == 0 else i + (q != 1)
+                            b = j + (q == 2) if upper == 0 else j + (q != 0)
+                            dx, dy = a * ux + b * wx - x, a * uy + b * wy - y
+                            far = max(far, dx * dx + dy * dy)
+                        least = min(least, length[faces[f, corner]] + math.sqrt(far))
+                    most = max(most, least)
+        bound[f] = most

@@ -48,7 +48,12 @@ def nearest_sources(
             if entry_least[e] >= worst:
                 break
             r = entry_row[e]
-            d = distance_to(row_id[r, 2], row, r, x, y)
+            kind = row_id[r, 2]
+            if kind <= 1:
+                dx, dy = x - row[r, 0], y - row[r, 1]
+                if math.sqrt(dx * dx + dy * dy) + row[r, 6] >= worst:
+                    continue
+            d = distance_to(kind, row, r, x, y)
             if d >= worst or d > limit[row_id[r, 1]]:
                 continue
             who = source_of[row_id[r, 1]]
