@@ -137,8 +137,9 @@ def _halved(
     def middles(
         f: NDArray[np.int32], p: NDArray[np.float64]
     ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-        ends = (f[:, :-1].ravel(), p[:, :-1].reshape(-1, 2), f[:, 1:].ravel(), p[:, 1:].reshape(-1, 2))
-        half_face, half_place = ground.halfway(*(np.ascontiguousarray(array) for array in ends))
+        begin, end = np.ascontiguousarray(f[:, :-1]).ravel(), np.ascontiguousarray(f[:, 1:]).ravel()
+        start, goal = (np.ascontiguousarray(side).reshape(-1, 2) for side in (p[:, :-1], p[:, 1:]))
+        half_face, half_place = ground.halfway(begin, start, end, goal)
         return half_face.reshape(len(f), -1), half_place.reshape(len(f), -1, 2)
 
     faces, places = face, place
