@@ -11,10 +11,10 @@ COVERAGE = 0.62
 _CELLS = 0.72
 """Cells per square of the cell size, as full Poisson-disk sets come out."""
 
-_CPU_S_PER = {"face": 3.0e-5, "cell": 2.5e-4, "texel": 1.1e-6}
-_START_S = 1.5
-_BYTES_PER = {"face": 1500, "cell": 900, "texel": 60, "tile texel": 110}
-_START_MB = 250.0
+_CPU_S_PER = {"face": 3.0e-5, "cell": 5.0e-4, "texel": 2.2e-6}
+_START_S = 2.0
+_BYTES_PER = {"face": 1500, "cell": 900, "texel": 69, "tile texel": 66}
+_START_MB = 300.0
 
 
 def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
