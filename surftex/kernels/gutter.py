@@ -74,8 +74,8 @@ def continue_band(
     The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line
     from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
     mesh it goes on along the border. face, host (rows, width) int32, weight (rows, width, 3), turn
-    (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face left, and the turn from
-    its frame into the reached one's.
+    (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face
+    left, and the turn from its frame into the reached one's.
     """
     rows, width = owner.shape
     for r in range(rows):
