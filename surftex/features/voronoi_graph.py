@@ -1,39 +1,36 @@
 """The Voronoi graph of sites on a surface: its vertices, and the borders between regions as polylines.
 
-The surface is cut into triangles smaller than the cells, and each corner asks for its nearest site. An edge of
-that net with two owners holds one point of a border, a triangle with three owners holds a vertex; both are
-found from exact distances. The graph is complete by construction: every border is a chain that ends at
-vertices, at the border of the surface, or in itself. Details finer than the net are left out.
+A border holds the places that have two nearest sites, by distance along the surface. Borders are followed with
+exact distances from face to face, so each is one polyline across any number of faces. Neighbouring faces share
+its nodes, and the graph is complete by construction: every border ends at vertices, at the border of the
+surface, or in itself.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import frozen
 from surftex.features.poisson import Sites
-from surftex.geodesics.bounds import nearest_bound
-from surftex.geodesics.pieces import CurvePieces
+from surftex.geodesics.pieces import CurvePieces, barycentric_of
 from surftex.geodesics.records import Records
 from surftex.geodesics.windows import Buckets, flood_points, nearest
+from surftex.kernels.pool import slices
 from surftex.surface.points import SurfacePoints
-from surftex.surface.subdivide import Subdivided, subdivided
 from surftex.surface.surface import Surface
 
-STEP = 0.4
-"""Longest edge of the net, in minor semi-axes of the sites."""
+REACH = 1.02
+"""First radius of the search, in the largest semi-axis nearby: a full surface has a site within one."""
 
-REACH = 2.0
-"""How far each site is asked for, in major semi-axes."""
-
-_KNOWN = 4
-"""Nearest sites that each corner of the net knows."""
+_EDGES, _FACES = 16384, 8192
+_DOUBLINGS = 40
 
 
 @dataclass(frozen=True, eq=False)
 class VoronoiGraph:
-    """Vertices and borders of the regions of s sites.
+    """Vertices and borders of the regions of s sites; make one with `VoronoiGraph.of`.
 
     Attributes
     ----------
@@ -44,7 +41,7 @@ class VoronoiGraph:
     edge_vertex : (e, 2) int32
         Vertices at the start and the end of each border; -1 at the border of the surface, and on rings.
     edge_region : (e, 2) int32
-        The two sites that a border parts, ascending.
+        The sites on its left and on its right, ascending. Two borders may part the same two.
     pieces : CurvePieces
         The borders: curve i is border i, walked from its first vertex to its second.
     """
@@ -56,7 +53,9 @@ class VoronoiGraph:
     pieces: CurvePieces
 
     @staticmethod
-    def of(surface: Surface, sites: Sites, *, threads: int | None = None) -> "VoronoiGraph":
+    def of(
+        surface: Surface, sites: Sites, *, records: Records | None = None, threads: int | None = None
+    ) -> "VoronoiGraph":
         """Find the graph of some sites.
 
         Parameters
@@ -64,200 +63,261 @@ class VoronoiGraph:
         surface : Surface
             Where they lie.
         sites : Sites
-            At least one; the net is as fine as their smallest minor semi-axis asks.
+            Any number; details much smaller than their minor semi-axes may be left out.
+        records : Records, optional
+            Flooded from the sites, each over all of its region; made here without it.
         threads : int, optional
             None means every core; cannot change the result.
 
         Returns
         -------
         graph : VoronoiGraph
-            By walking distance, whatever the axes of the sites.
-
-        Raises
-        ------
-        InputError
-            If the net would take more than 20 million triangles.
+            By walking distance, whatever the axes of the sites: on a border the distances to its two sites
+            agree to 1e-4 of the smaller minor semi-axis.
         """
-        fine = subdivided(surface, STEP * float(np.quantile(sites.axis_mm[:, 1], 0.02)))
-        records = flood_points(
-            surface,
-            sites.points,
-            REACH * sites.axis_mm[:, 0],
-            buckets=Buckets.of(surface, float(np.median(sites.axis_mm[:, 1]))),
-            bound_mm=nearest_bound(surface, sites.points, _KNOWN),
-            threads=threads,
-        )
-        known, distance = nearest(records, fine.points, _KNOWN, threads=threads)
-        return _assembled(surface, _Net.of(fine, records, known, distance**2, threads))
+        if len(sites) < 2:
+            return _empty()
+        radius = REACH * _reach(sites, surface) if records is None else records.radius_mm
+        for _ in range(_DOUBLINGS):
+            if records is None:
+                buckets = Buckets.of(surface, float(np.sqrt(np.median(sites.axis_mm.prod(axis=1)))))
+                records = flood_points(surface, sites.points, radius, buckets=buckets, threads=threads)
+            found = _Tracing(surface, sites, records, threads).run()
+            if found is not None:
+                return found
+            radius, records = 2 * radius, None
+        return _empty()
+
+    @cached_property
+    def edge_bounds(self) -> NDArray[np.int64]:
+        """(e, 2) the pieces of border i are those from [i, 0] to before [i, 1]."""
+        number = np.arange(len(self.edge_vertex))
+        first = np.searchsorted(self.pieces.curve, number, side="left")
+        return frozen(np.stack([first, np.searchsorted(self.pieces.curve, number, side="right")], axis=1))
+
+    @cached_property
+    def vertex_edge(self) -> tuple[NDArray[np.int64], ...]:
+        """Borders at each vertex: start (v + 1,), border, and which end of it is there (0 or 1)."""
+        edge, side = np.nonzero(self.edge_vertex >= 0)
+        return _listed(self.edge_vertex[edge, side], len(self.vertices), edge, side)
+
+    @cached_property
+    def region_edge(self) -> tuple[NDArray[np.int64], ...]:
+        """Borders around each site, up to the last site with any: start, border, and the region's side of it."""
+        edge, side = np.nonzero(self.edge_region >= 0)
+        count = int(self.edge_region.max()) + 1 if len(self.edge_region) else 0
+        return _listed(self.edge_region[edge, side], count, edge, side)
+
+    def leave(self, vertex: int) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """Tell how one can walk on from a vertex.
+
+        Parameters
+        ----------
+        vertex : int
+            Which one.
+
+        Returns
+        -------
+        edge : (k,) int64
+            Its borders, three as a rule.
+        side : (k,) int64
+            0 where the border is walked from its start, 1 from its end.
+        angle_rad : (k,) float64
+            Direction of each at the vertex, in the frame of the vertex's face.
+        """
+        start, edges, sides = self.vertex_edge
+        edge, side = edges[start[vertex] : start[vertex + 1]], sides[start[vertex] : start[vertex + 1]]
+        row = np.where(side == 0, self.edge_bounds[edge, 0], self.edge_bounds[edge, 1] - 1)
+        away = np.where(side == 0, 1.0, -1.0)[:, None] * (self.pieces.end[row] - self.pieces.start[row])
+        return edge, side, np.arctan2(away[:, 1], away[:, 0])
 
 
-@dataclass(frozen=True, eq=False)
-class _Net:
-    """The triangles with several owners, and the point of a border on each of their edges that has two."""
-
-    known: NDArray
-    square: NDArray
-    owner: NDArray
-    corner: NDArray
-    parent: NDArray
-    weight: NDArray
-    crossing: NDArray
-    first: NDArray
-    second: NDArray
-    share: NDArray
-
-    @staticmethod
-    def of(
-        fine: Subdivided, records: Records, known: NDArray, square: NDArray, threads: int | None
-    ) -> "_Net":
-        owner = known[fine.faces, 0]
-        mixed = np.flatnonzero((owner != owner[:, :1]).any(axis=1) & (owner >= 0).all(axis=1))
-        corner, owner = fine.faces[mixed].astype(np.int64), owner[mixed]
-        ends = np.stack([corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 2)
-        parted = known[ends[:, 0], 0] != known[ends[:, 1], 0]
-        low, high = np.sort(ends[parted], axis=1).T
-        edge, index = np.unique(low * len(known) + high, return_inverse=True)
-        crossing = np.full(3 * len(mixed), -1)
-        crossing[parted] = index
-        seen_in = np.zeros(len(edge), np.int64)
-        seen_in[index[::-1]] = np.flatnonzero(parted)[::-1]
-        first, second = edge // len(known), edge % len(known)
-        parent, weight = fine.parent[mixed], fine.weight[mixed]
-        triangle, side = seen_in // 3, seen_in % 3
-        begin, end = weight[triangle, side], weight[triangle, (side + 1) % 3]
-        turned = (corner[triangle, side] != first)[:, None]
-        share = _equal(
-            records, known, square, first, second, parent[triangle],
-            np.where(turned, end, begin), np.where(turned, begin, end), threads,
-        )  # fmt: skip
-        return _Net(
-            known, square, owner, corner, parent, weight, crossing.reshape(-1, 3), first, second, share
-        )
+def _empty() -> VoronoiGraph:
+    none = frozen(np.zeros((0, 2), np.int32))
+    points = SurfacePoints.trusted(frozen(np.zeros(0, np.int32)), frozen(np.zeros((0, 3))))
+    return VoronoiGraph(points, frozen(np.zeros((0, 3), np.int32)), none, none, CurvePieces.joined([]))
 
 
-def _assembled(surface: Surface, net: _Net) -> VoronoiGraph:
-    """Chain the segments of the net's triangles into borders."""
-    known, square, owner, corner, crossing = net.known, net.square, net.owner, net.corner, net.crossing
-    parent, weight, first, second = net.parent, net.weight, net.first, net.second
-    # triangles with two owners hold a segment, those with three a vertex and three segments
-    three = (crossing >= 0).all(axis=1)
-    two = np.flatnonzero(~three)
-    star = np.flatnonzero(three)
-    node_count = len(first)
-    pair = np.sort(np.where(crossing[two] >= 0, crossing[two], -1), axis=1)[:, 1:]
-    segment = np.concatenate(
-        [pair, np.stack([crossing[star].ravel(), node_count + np.repeat(np.arange(len(star)), 3)], axis=1)]
-    )
-    triangle = np.concatenate([two, np.repeat(star, 3)])
+def _listed(owner: NDArray, count: int, *columns: NDArray) -> tuple[NDArray[np.int64], ...]:
+    """Sort rows by owner: start of each owner's rows, and the columns."""
+    order = np.argsort(owner, kind="stable")
+    start = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=count))]).astype(np.int64)
+    return (frozen(start), *(frozen(column[order].astype(np.int64)) for column in columns))
 
-    order, flipped, chain, count = _chained(segment, node_count, len(star))
-    walked = np.where(flipped[:, None] == 1, segment[order, ::-1], segment[order])
-    triangle = triangle[order]
-    middle = _vertices(owner[star], corner[star], known, square)
-    place = np.stack([_place(surface, net, side, triangle, middle) for side in walked.T], axis=1)
-    pieces = CurvePieces.of(parent[triangle], place[:, 0], place[:, 1], chain)
-    starts = np.flatnonzero(np.diff(chain, prepend=-1))
-    stops = np.append(starts[1:], len(chain)) - 1 if count else starts
-    tips = np.stack([walked[starts, 0], walked[stops, 1]], axis=1) if count else np.zeros((0, 2), np.int64)
-    # the two regions beside a border: the owners at the ends of an edge of the net that it crosses
-    inner = (
-        np.where(walked[starts, 0] < node_count, walked[starts, 0], walked[starts, 1])
-        if count
-        else np.zeros(0, np.int64)
-    )
-    region = np.sort(np.stack([known[first[inner], 0], known[second[inner], 0]], axis=1), axis=1)
+
+def _reach(sites: Sites, surface: Surface) -> NDArray[np.float64]:
+    """(n,) how far a region may go on a full surface: the largest semi-axis of a site that may lie beside it."""
+    from scipy.spatial import KDTree
+
+    major = sites.axis_mm[:, 0]
+    reach = np.array(major)
+    group = np.ceil(np.log(major / major.min()) / np.log(1.25) - 1e-9).astype(np.int64)
+    if group.max() == 0:
+        return np.full(len(sites), float(major.max()))
+    position = sites.points.positions(surface)
+    for number in np.unique(group):
+        largest = float(major[group == number].max())
+        tree = KDTree(position[group == number])
+        near = np.isfinite(tree.query(position, distance_upper_bound=2.05 * largest)[0])
+        reach[near] = np.maximum(reach[near], largest)
+    return reach
+
+
+class _Tracing:
+    """Borders followed through all faces, from one set of records."""
+
+    def __init__(self, surface: Surface, sites: Sites, records: Records, threads: int | None) -> None:
+        self.surface, self.sites, self.records, self.threads = surface, sites, records, threads
+        buckets = records.buckets
+        self.found = (surface.flat, buckets.first, buckets.cells, buckets.grid, records.start, records.entry_row,
+                      records.entry_least_mm, records.row, records.row_id)  # fmt: skip
+        self.scale = np.array(sites.axis_mm[:, 1], dtype=np.float64)
+        self.owner = self._vertex_owner()
+        row = np.arange(len(surface.faces), dtype=np.int32)[:, None]
+        once = (surface.neighbor < 0) | (row < surface.neighbor)
+        self.edge_face, self.edge_side = (column.astype(np.int32) for column in np.nonzero(once))
+        self.number = np.zeros((len(surface.faces), 3), np.int64)
+        self.number[once] = np.arange(len(self.edge_face))
+        self.number[~once] = self.number[surface.neighbor[~once], surface.neighbor_edge[~once]]
+        self.back = (~once).astype(np.uint8)
+
+    def run(self) -> VoronoiGraph | None:
+        """Make the graph; None if some place has no owner, so that the radius was too small."""
+        inhabited = np.isin(self.surface.component, self.surface.component[self.sites.points.face])
+        if (self.owner[self.surface.faces[inhabited]] < 0).any():
+            return None
+        along = slices(self._edges, len(self.edge_face), size=_EDGES, threads=self.threads)
+        nodes = [part for part in along if part is not None]
+        if len(nodes) < len(along):
+            return None
+        counts, self.place, self.pair = (np.concatenate([part[i] for part in nodes]) for i in range(3))
+        self.start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+        faces = self.sites.points.face
+        self.site_start, self.site = _listed(faces, len(self.surface.faces), np.arange(len(faces)))
+        self.site_flat = self.sites.points.flat(self.surface)[self.site]
+        across = slices(self._faces, len(self.surface.faces), size=_FACES, threads=self.threads)
+        parts = [part for part in across if part is not None]
+        return _joined(self.surface, parts, len(self.place)) if len(parts) == len(across) else None
+
+    def _vertex_owner(self) -> NDArray[np.int64]:
+        """Nearest site of each vertex; -1 where none is, and at vertices of no face."""
+        faces = self.surface.faces
+        face = np.full(len(self.surface.vertices), -1, np.int32)
+        corner = np.zeros(len(face), np.int64)
+        for i in (2, 1, 0):
+            face[faces[:, i]] = np.arange(len(faces), dtype=np.int32)
+            corner[faces[:, i]] = i
+        used = np.flatnonzero(face >= 0)
+        points = SurfacePoints.trusted(frozen(face[used]), frozen(np.eye(3)[corner[used]]))
+        owner = np.full(len(face), -1, np.int64)
+        owner[used] = nearest(self.records, points, 1, threads=self.threads)[0][:, 0]
+        return owner
+
+    def _edges(self, begin: int, end: int) -> tuple[NDArray, ...] | None:
+        """Nodes along a slice of the mesh edges: counts, shares, owners before and after."""
+        from surftex.kernels.voronoi import edge_nodes
+
+        todo, todo_owner = np.zeros((128, 4)), np.zeros((128, 3), np.int64)
+        counts, room = np.zeros(end - begin, np.int64), 2 * (end - begin) + 64
+        while True:
+            place, pair = np.zeros(room), np.zeros((room, 2), np.int64)
+            used = edge_nodes(self.edge_face[begin:end], self.edge_side[begin:end], self.surface.faces, self.found,
+                              self.scale, self.owner, todo, todo_owner, counts, place, pair)  # fmt: skip
+            if used >= 0:
+                return counts, place[:used], pair[:used]
+            if used == -2:
+                return None
+            room *= 2
+
+    def _faces(self, begin: int, end: int) -> tuple[NDArray, NDArray, NDArray, NDArray, int] | None:
+        """Pieces (p, 4), their face, nodes and regions (p, 5), vertices, their face and node, inner nodes."""
+        from surftex.kernels.voronoi import face_borders
+
+        inside = np.zeros(int(np.diff(self.site_start).max()), np.int64)
+        spare = np.zeros((6, 2)), np.zeros((3, 9), np.int64)
+        scratch = inside, *spare, np.zeros((160, 6)), np.zeros((160, 15), np.int64)
+        todo = np.zeros((128, 4)), np.zeros((128, 3), np.int64)
+        counts = np.array([0, 0, 0, len(self.place)], np.int64)
+        pieces = np.zeros((1024, 4)), np.zeros((1024, 5), np.int64)
+        meetings = np.zeros((1024, 2)), np.zeros((1024, 2), np.int64)
+        room, code = 4096, -1
+        while code != 0:
+            node = (
+                np.zeros((room, 2)),
+                np.zeros(room, np.int64),
+                np.zeros((room, 2), np.int64),
+                np.zeros(room),
+            )
+            begin, code = face_borders(
+                begin, end, self.surface.faces, self.found, self.scale, self.owner, self.number, self.back, self.start,
+                self.place, self.pair, self.site_start, self.site, self.site_flat, *scratch, *node, *todo, counts,
+                *pieces, *meetings,
+            )  # fmt: skip
+            if code == 1:
+                pieces = tuple(np.concatenate([array, np.zeros_like(array)]) for array in pieces)
+            elif code == 2:
+                meetings = tuple(np.concatenate([array, np.zeros_like(array)]) for array in meetings)
+            elif code == 3:
+                room *= 2
+            elif code == 4:
+                return None
+        piece, piece_id = (array[: counts[0]] for array in pieces)
+        meeting, meeting_id = (array[: counts[1]] for array in meetings)
+        return piece, piece_id, meeting, meeting_id, int(counts[2])
+
+
+def _joined(
+    surface: Surface, parts: list[tuple[NDArray, NDArray, NDArray, NDArray, int]], shared: int
+) -> VoronoiGraph:
+    """Join the pieces of all slices into borders; nodes below `shared` lie on mesh edges."""
+    from surftex.kernels.voronoi import chain
+
+    total = shared
+    for _, piece_id, _, meeting_id, inner in parts:
+        for column in (piece_id[:, 1:3], meeting_id[:, 1:2]):
+            column[column >= shared] += total - shared
+        total += inner
+    piece, piece_id, meeting, meeting_id = (np.concatenate([part[i] for part in parts]) for i in range(4))
+    node, count = np.ascontiguousarray(piece_id[:, 1:3]), len(piece)
+    vertex = np.full(total, -1, np.int64)
+    vertex[meeting_id[:, 1]] = np.arange(len(meeting))
+    start, incident = _listed(node.ravel(), total, np.repeat(np.arange(count), 2))
+    order, curve = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    flipped, ends = np.zeros(count, np.uint8), np.zeros((count, 2), np.int64)
+    curves = chain(start, incident, node, vertex, np.zeros(count, np.uint8), order, flipped, curve, ends)
+    region = piece_id[order, 3:5]
+    region[flipped == 1] = region[flipped == 1, ::-1]
+    first = np.flatnonzero(np.diff(curve, prepend=-1))
+    region, ends = region[first], ends[:curves]
+    # walk every border so that the lower number lies on its left
+    wrong = region[:, 0] > region[:, 1]
+    region[wrong], ends[wrong] = region[wrong, ::-1], ends[wrong, ::-1]
+    place = np.arange(count)
+    last = np.append(first[1:], count) - 1
+    mirrored = wrong[curve]
+    place[mirrored] = (first + last)[curve[mirrored]] - place[mirrored]
+    order, flipped = order[place], flipped[place].astype(bool) ^ mirrored
+    piece = piece[order]
+    piece[flipped] = piece[flipped][:, [2, 3, 0, 1]]
+    kept = (piece[:, :2] != piece[:, 2:]).any(axis=1)
+    kept[first[np.bincount(curve, kept, minlength=curves) == 0]] = True
+    pieces = CurvePieces.of(piece_id[order][kept, 0], piece[kept, :2], piece[kept, 2:], curve[kept])
+    face = meeting_id[:, 0].astype(np.int32)
+    points = SurfacePoints.trusted(frozen(face), frozen(barycentric_of(surface, face, meeting)))
     return VoronoiGraph(
-        SurfacePoints.trusted(frozen(parent[star]), frozen(np.einsum("vc,vck->vk", middle, weight[star]))),
-        frozen(np.sort(owner[star], axis=1).astype(np.int32)),
-        frozen(np.where(tips >= node_count, tips - node_count, -1).astype(np.int32)),
+        points,
+        frozen(_vertex_region(len(meeting), ends, region)),
+        frozen(ends.astype(np.int32)),
         frozen(region.astype(np.int32)),
         pieces,
     )
 
 
-def _equal(
-    records: Records, known: NDArray, square: NDArray, first: NDArray, second: NDArray,
-    face: NDArray, begin: NDArray, end: NDArray, threads: int | None,
-) -> NDArray[np.float64]:  # fmt: skip
-    """Where along each edge its two owners are as far.
-
-    Squared distances differ linearly in the plane: the first guess is exact there, two more narrow it elsewhere.
-    """
-    a, b = known[first, 0], known[second, 0]
-    left = square[first, 0] - _square_of(b, known[first], square[first])
-    right = _square_of(a, known[second], square[second]) - square[second, 0]
-    low, high = np.zeros(len(first)), np.ones(len(first))
-    share = np.clip(left / np.minimum(left - right, -1e-300), 0.0, 1.0)
-    for _ in range(2):
-        points = SurfacePoints.trusted(face, begin + share[:, None] * (end - begin))
-        near, distance = nearest(records, points, _KNOWN, threads=threads)
-        here = _square_of(a, near, distance**2) - _square_of(b, near, distance**2)
-        sound = _has(a, near) & _has(b, near)
-        before, after = sound & (here < 0), sound & (here >= 0)
-        low, left = np.where(before, share, low), np.where(before, here, left)
-        high, right = np.where(after, share, high), np.where(after, here, right)
-        share = np.where(sound, low + (high - low) * left / np.minimum(left - right, -1e-300), share)
-    return np.clip(share, 1e-6, 1 - 1e-6)
-
-
-def _has(site: NDArray, known: NDArray) -> NDArray[np.bool_]:
-    return (known == site[:, None]).any(axis=1)
-
-
-def _square_of(site: NDArray, known: NDArray, square: NDArray) -> NDArray[np.float64]:
-    """Squared distance to a site among those known; that of the farthest known where it is not among them."""
-    finite = np.where(np.isfinite(square), square, 0.0)
-    return np.where(
-        _has(site, known), np.where(known == site[:, None], finite, 0.0).sum(axis=1), finite.max(axis=1)
-    )
-
-
-def _vertices(owner: NDArray, corner: NDArray, known: NDArray, square: NDArray) -> NDArray[np.float64]:
-    """Weights of the corners where three owners are as far, kept inside the triangle."""
-    value = np.stack(
-        [
-            [_square_of(owner[:, k], known[corner[:, c]], square[corner[:, c]]) for c in range(3)]
-            for k in range(3)
-        ]
-    )
-    first, second = (value[0] - value[1]).T, (value[0] - value[2]).T
-    weight = np.cross(first, second) if len(first) else np.zeros((0, 3))
-    total = weight.sum(axis=1, keepdims=True)
-    weight = np.divide(weight, total, out=np.full_like(weight, 1 / 3), where=np.abs(total) > 1e-300)
-    weight = np.clip(np.nan_to_num(weight, nan=1 / 3, posinf=1.0, neginf=0.0), 0.02, 1.0)
-    return weight / weight.sum(axis=1, keepdims=True)
-
-
-def _chained(segment: NDArray, crossings: int, vertices: int) -> tuple[NDArray, NDArray, NDArray, int]:
-    """Order of the segments along borders, which are walked backward, border of each, number of borders."""
-    from surftex.kernels.chains import chains
-
-    count = len(segment)
-    meeting = np.full((crossings + vertices, 2), -1, np.int64)
-    node, number = segment.ravel(), np.repeat(np.arange(count), 2)
-    rank = np.argsort(node, kind="stable")
-    node, number = node[rank], number[rank]
-    fresh = np.concatenate([[True], node[1:] != node[:-1]]) if count else np.zeros(0, bool)
-    inside = node < crossings
-    meeting[node[fresh & inside], 0] = number[fresh & inside]
-    meeting[node[~fresh & inside], 1] = number[~fresh & inside]
-    order, flipped, chain = np.zeros(count, np.int64), np.zeros(count, np.uint8), np.zeros(count, np.int64)
-    total = chains(np.ascontiguousarray(segment, dtype=np.int64), meeting, order, flipped, chain)
-    return order, flipped, np.sort(chain), int(total)
-
-
-def _place(
-    surface: Surface, net: _Net, node: NDArray, triangle: NDArray, middle: NDArray
-) -> NDArray[np.float64]:
-    """Places of nodes, crossings first and then vertices, in the frame of their triangle's face."""
-    local = np.zeros((len(node), 3))
-    crossings = len(net.first)
-    on_edge = np.flatnonzero(node < crossings)
-    along = net.share[node[on_edge]]
-    for end, part in ((net.first, 1 - along), (net.second, along)):
-        slot = np.argmax(net.corner[triangle[on_edge]] == end[node[on_edge], None], axis=1)
-        local[on_edge, slot] = part
-    inner = np.flatnonzero(node >= crossings)
-    local[inner] = middle[node[inner] - crossings]
-    inside = np.einsum("nc,nck->nk", local, net.weight[triangle])
-    return np.einsum("nk,nki->ni", inside, surface.flat[net.parent[triangle]])
+def _vertex_region(count: int, ends: NDArray, region: NDArray) -> NDArray[np.int32]:
+    """(v, 3) the three lowest sites at each vertex, ascending; the last one repeats where there are fewer."""
+    edge, side = np.nonzero(ends >= 0)
+    pairs = np.unique(np.stack([np.repeat(ends[edge, side], 2), region[edge].ravel()], axis=1), axis=0)
+    first = np.searchsorted(pairs[:, 0], np.arange(count))
+    size = np.bincount(pairs[:, 0], minlength=count)
+    column = np.minimum(np.arange(3), size[:, None] - 1)
+    return pairs[first[:, None] + column, 1].astype(np.int32) if count else np.zeros((0, 3), np.int32)

@@ -100,6 +100,7 @@ class _Furrows:
     at_vertex: dict[int, list[tuple[int, int]]]
     between: dict[tuple[int, int], list[int]]
     place: NDArray[np.float64]
+    place_end: NDArray[np.float64]
     count: int
 
     @staticmethod
@@ -138,6 +139,7 @@ class _Furrows:
             at_vertex,
             between,
             start.positions(surface),
+            end.positions(surface),
             len(number),
         )
 
@@ -250,22 +252,26 @@ class _Walk:
             return []
         face, _, place = self.pieces[-1]
         here = _point(self.surface, face, place).positions(self.surface)[0]
-        near = [
-            (float(np.linalg.norm(furrows.place[row] - here)), edge, int(row))
-            for edge in candidates
-            for row in range(furrows.first[edge], furrows.last[edge])
-        ]
-        _, edge, row = min(near)
-        pieces, options = furrows.graph.pieces, []
-        for side, rest in (
-            (0, range(row + 1, furrows.last[edge])),
-            (1, range(row - 1, furrows.first[edge] - 1, -1)),
-        ):
-            half = [
+        pieces = furrows.graph.pieces
+        rows = np.concatenate([np.arange(furrows.first[edge], furrows.last[edge]) for edge in candidates])
+        edges = np.repeat(candidates, [furrows.last[edge] - furrows.first[edge] for edge in candidates])
+        begin, end = furrows.place[rows], furrows.place_end[rows]
+        along = end - begin
+        square = np.maximum((along**2).sum(axis=1), 1e-300)
+        share = np.clip(((here - begin) * along).sum(axis=1) / square, 0, 1)
+        met = int(np.argmin(np.linalg.norm(begin + share[:, None] * along - here, axis=1)))
+        edge, row = int(edges[met]), int(rows[met])
+        foot = pieces.start[row] + share[met] * (pieces.end[row] - pieces.start[row])
+        options = []
+        for side in (0, 1):
+            tip = pieces.end[row] if side == 0 else pieces.start[row]
+            rest = (row + 1, furrows.last[edge]) if side == 0 else (furrows.first[edge], row)
+            half = [(int(pieces.face[row]), foot, tip)] if (foot != tip).any() else []
+            half += [
                 (int(pieces.face[i]), pieces.start[i], pieces.end[i])
                 if side == 0
                 else (int(pieces.face[i]), pieces.end[i], pieces.start[i])
-                for i in rest
+                for i in (range(*rest) if side == 0 else reversed(range(*rest)))
             ]
             if half:
                 step = half[0][2] - half[0][1]
