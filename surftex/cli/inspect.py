@@ -68,5 +68,11 @@ def _page(page: dict[str, Any]) -> str:
 
 
 def _own_uv(facts: dict[str, Any]) -> str:
-    rest = (f"{key.replace('_', ' ')} {value}" for key, value in facts.items() if key != "state")
+    rest = (f"{key.replace('_', ' ')} {_short(value)}" for key, value in facts.items() if key != "state")
     return "; ".join([str(facts["state"]), *rest])
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_short, value)) + "]"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
