@@ -21,7 +21,7 @@ class _Worker:
         vertices, corners = len(surface.vertices), 3 * len(surface.faces)
         self.stamp = 0
         self.marks = np.zeros(vertices), np.full(vertices, -1, np.int32), np.full(vertices, -1, np.int32)
-        self.splits = np.zeros((corners, 2)), np.full(corners, -1, np.int32)
+        self.splits = np.zeros((corners, 2)), np.full((corners, 3), -1, np.int32)
         self.count = np.zeros(6, np.int64)
         self.queue = _queue(1 << 10)
         self.rows = np.zeros((1 << 12, 10)), np.zeros((1 << 12, 3), np.int32)
@@ -46,7 +46,7 @@ class _Worker:
 
 def _queue(size: int) -> tuple[NDArray[Any], ...]:
     """Room for windows that wait: heap, links, windows."""
-    return np.zeros(size), np.zeros((size, 2), np.int32), np.zeros((size, 7)), np.zeros((size, 5), np.int32)
+    return np.zeros(size), np.zeros((size, 2), np.int32), np.zeros((size, 8)), np.zeros((size, 5), np.int32)
 
 
 def flood_primitives(

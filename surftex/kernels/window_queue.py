@@ -14,10 +14,11 @@ Worker. `*_of` name the source that a value belongs to, so nothing is cleared be
 
     near (n,), near_of (n,) int32     a path to the vertex is this long
     lit_of (n,) int32                 vertices that have sent into their shadow
-    split (3m, 2), split_of (3m,) int32     for edge i of a face: least distance of the corner opposite through it, and where
+    split (3m, 2)                     for edge i of a face: least distance of the corner opposite through it, and where
+    edge_of (3m, 3) int32             source of `split`; source and slot of the last window that was queued there
     count (6,) int64                  waiting, slots used, slots free, rows, queue full, rows full
     heap_key (q,), links (q, 2) int32       the heap's slots, and the free ones
-    window (q, 7)                     b0, b1 along the entry edge, image x, y, sigma, c, s
+    window (q, 8)                     b0, b1 along the entry edge, image x, y, sigma, c, s, key
     window_id (q, 5) int32            face, entry edge, kind, branch taken before, primitive
     row (r, 10), row_id (r, 3) int32  what is found
 """
@@ -31,6 +32,12 @@ from surftex.kernels.jit import part
 
 DIRECT = np.int64(2)
 """In place of a branch: the window comes straight from a source or a corner. Typed, so that nothing compiles twice."""
+
+DEAD = -9
+"""Kind of a window that was merged into another."""
+
+SAME = 1e-10
+"""Images that differ by no more than this share of the distance are one: flat parts send one window, not many."""
 
 
 class Light(NamedTuple):
@@ -82,7 +89,7 @@ def store(count, heap_key, links, window, window_id, key, place, edge, branch, b
         slot = count[1]
         if slot >= len(heap_key):
             count[4] = 1
-            return
+            return np.int64(0)
         count[1] += 1
     window_id[slot, 0] = place
     window_id[slot, 1] = edge
@@ -96,6 +103,7 @@ def store(count, heap_key, links, window, window_id, key, place, edge, branch, b
     window[slot, 4] = light.sigma
     window[slot, 5] = light.c
     window[slot, 6] = light.s
+    window[slot, 7] = key
     c = count[0]
     while c > 0:
         parent = (c - 1) >> 1
@@ -107,6 +115,7 @@ def store(count, heap_key, links, window, window_id, key, place, edge, branch, b
     heap_key[c] = key
     links[c, 0] = slot
     count[0] += 1
+    return slot
 
 
 @part
@@ -142,8 +151,8 @@ def reach(light, x, y):
 
 @part
 def enter(
-    ids, shape, bound, count, heap_key, links, window, window_id, limit, face, edge, t0, t1, branch, light
-):
+    ids, shape, bound, edge_of, count, heap_key, links, window, window_id, source, limit, face, edge, t0, t1, branch, light
+):  # fmt: skip
     """Queue what passes edge `edge` of `face` between t0 and t1; `light` is given in the frame of `face`."""
     other = np.int64(ids[face, edge, 1])
     length = shape[face, edge, 2]
@@ -172,8 +181,25 @@ def enter(
         c, s = c * tc + s * ts, s * tc - c * ts
     elif kind == 2 or kind == 3:
         c, s = tc * c - ts * s, ts * c + tc * s
-    there = Light(kind, light.primitive, x, y, light.sigma, c, s)
     entry = np.int64(ids[face, edge, 2])
-    store(
-        count, heap_key, links, window, window_id, key, other, entry, branch, length - t1, length - t0, there
-    )
+    b0, b1 = length - t1, length - t0
+    h = 3 * other + entry
+    if edge_of[h, 1] == source:
+        p = np.int64(edge_of[h, 2])
+        alike = window_id[p, 0] == other and window_id[p, 1] == entry and window_id[p, 2] == kind
+        alike = alike and window_id[p, 4] == light.primitive and window[p, 4] == light.sigma
+        alike = alike and abs(window[p, 2] - x) <= SAME * key and abs(window[p, 3] - y) <= SAME * key
+        alike = alike and abs(window[p, 5] - c) <= SAME and abs(window[p, 6] - s) <= SAME
+        if alike and b0 <= window[p, 1] + 1e-9 * length and window[p, 0] <= b1 + 1e-9 * length:
+            b0, b1 = min(b0, window[p, 0]), max(b1, window[p, 1])
+            if key >= window[p, 7]:
+                window[p, 0] = b0
+                window[p, 1] = b1
+                window_id[p, 3] = DIRECT
+                return
+            window_id[p, 2] = DEAD
+            branch = DIRECT
+    there = Light(kind, light.primitive, x, y, light.sigma, c, s)
+    slot = store(count, heap_key, links, window, window_id, key, other, entry, branch, b0, b1, there)
+    edge_of[h, 1] = source
+    edge_of[h, 2] = slot

@@ -23,7 +23,7 @@ import numpy as np
 
 from surftex.kernels.jit import kernel, part
 from surftex.kernels.window_corners import SLACK, approach, shine, touch
-from surftex.kernels.window_queue import DIRECT, Light, enter, pop, reach, record
+from surftex.kernels.window_queue import DEAD, DIRECT, Light, enter, pop, reach, record
 
 
 @part
@@ -70,6 +70,7 @@ def _leave(
     bound,
     near,
     near_of,
+    edge_of,
     count,
     heap_key,
     links,
@@ -146,11 +147,13 @@ def _leave(
                 ids,
                 shape,
                 bound,
+                edge_of,
                 count,
                 heap_key,
                 links,
                 window,
                 window_id,
+                source,
                 limit,
                 face,
                 i,
@@ -171,7 +174,7 @@ def _cross(
     near,
     near_of,
     split,
-    split_of,
+    edge_of,
     count,
     heap_key,
     links,
@@ -229,21 +232,22 @@ def _cross(
     beyond_right = r1x * (cy - X1y) - r1y * (cx - X1x) < 0
     first_side, last_side = 0, 2
     near[C] = min(near[C], near[A] + shape[face, j2, 2], near[B] + shape[face, j1, 2])
+    straight = light.sigma + reach(light, cx, cy)
+    distance = straight
     if beyond_left:
         last_side = 1
-        near[C] = min(near[C], d0 + math.sqrt((cx - X0x) * (cx - X0x) + (cy - X0y) * (cy - X0y)))
+        distance = d0 + math.sqrt((cx - X0x) * (cx - X0x) + (cy - X0y) * (cy - X0y))
     elif beyond_right:
         first_side = 1
-        near[C] = min(near[C], d1 + math.sqrt((cx - X1x) * (cx - X1x) + (cy - X1y) * (cy - X1y)))
+        distance = d1 + math.sqrt((cx - X1x) * (cx - X1x) + (cy - X1y) * (cy - X1y))
     else:
-        distance = light.sigma + reach(light, cx, cy)
         across = rcx * ey - rcy * ex
         at = 0.5 * (b0 + b1)
         if across != 0:
             at = (rcx * (cy - ay) - rcy * (cx - ax)) / across
         h = 3 * face + j
-        if split_of[h] != source or distance < split[h, 0]:
-            split_of[h] = source
+        if edge_of[h, 0] != source or distance < split[h, 0]:
+            edge_of[h, 0] = source
             split[h, 0] = distance
             split[h, 1] = at
         elif distance > split[h, 0] * SLACK:
@@ -251,6 +255,10 @@ def _cross(
                 first_side = 1
             else:
                 last_side = 1
+    near[C] = min(near[C], distance)
+    if (
+        distance <= straight * SLACK
+    ):  # a corner on the very rim is seen, or two windows that part there both miss it
         kind, c, s = light.kind, light.c, light.s
         if kind == 0:
             norm = math.sqrt(rcx * rcx + rcy * rcy)
@@ -259,26 +267,11 @@ def _cross(
             kind, c = 4, (cx - light.x) * s - (cy - light.y) * c
         elif kind == 3:
             kind, c = 5, (cy - light.y) * c - (cx - light.x) * s
-        bent = Light(kind, light.primitive, 0.0, 0.0, 0.0, c, s)
+        bent, corner = Light(kind, light.primitive, 0.0, 0.0, 0.0, c, s), 3 * face + j2
         approach(
-            ids,
-            shape,
-            turning,
-            near,
-            near_of,
-            count,
-            heap_key,
-            links,
-            window,
-            window_id,
-            source,
-            limit,
-            3 * face + j2,
-            distance,
-            -rcx,
-            -rcy,
-            bent,
-        )
+            ids, shape, turning, near, near_of, count, heap_key, links, window, window_id, source, limit, corner,
+            distance, -rcx, -rcy, bent,
+        )  # fmt: skip
     for side in range(first_side, last_side):
         e = j1 if side == 0 else j2
         e1 = e + 1 if e < 2 else 0
@@ -305,7 +298,23 @@ def _cross(
         elif (near[B] + math.sqrt((Y1x - bx) * (Y1x - bx) + (Y1y - by) * (Y1y - by))) * SLACK < d1:
             continue
         enter(
-            ids, shape, bound, count, heap_key, links, window, window_id, limit, face, e, t0, t1, side, light
+            ids,
+            shape,
+            bound,
+            edge_of,
+            count,
+            heap_key,
+            links,
+            window,
+            window_id,
+            source,
+            limit,
+            face,
+            e,
+            t0,
+            t1,
+            side,
+            light,
         )
 
 
@@ -330,7 +339,7 @@ def flood(
     near_of,
     lit_of,
     split,
-    split_of,
+    edge_of,
     count,
     heap_key,
     links,
@@ -364,6 +373,7 @@ def flood(
                 bound,
                 near,
                 near_of,
+                edge_of,
                 count,
                 heap_key,
                 links,
@@ -388,6 +398,7 @@ def flood(
                 np.int64(window_id[w, 2]),
             )
             branch, q = np.int64(window_id[w, 3]), np.int64(window_id[w, 4])
+            window_id[w, 0] = -1
             sigma = window[w, 4]
             light = Light(abs(kind), q, window[w, 2], window[w, 3], sigma, window[w, 5], window[w, 6])
             if kind > -1:
@@ -400,7 +411,7 @@ def flood(
                     near,
                     near_of,
                     split,
-                    split_of,
+                    edge_of,
                     count,
                     heap_key,
                     links,
@@ -418,7 +429,7 @@ def flood(
                     least,
                     light,
                 )
-            elif lit_of[place] != source and sigma <= near[place] * SLACK:
+            elif kind > DEAD and lit_of[place] != source and sigma <= near[place] * SLACK:
                 lit_of[place] = source
                 shine(
                     ids,
@@ -430,6 +441,7 @@ def flood(
                     bound,
                     near,
                     near_of,
+                    edge_of,
                     count,
                     heap_key,
                     links,
