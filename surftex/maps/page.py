@@ -15,6 +15,9 @@ from surftex.charts.atlas import Atlas
 from surftex.charts.texels import Texels
 from surftex.surface.surface import Surface
 
+_ON_BORDER = 1e-9
+"""Weight of a corner below which a place lies on the edge across from it, after a walk along a border."""
+
 
 @dataclass(frozen=True, eq=False)
 class PageMetric:
@@ -108,7 +111,7 @@ def stopped(surface: Surface, texels: Texels) -> NDArray[np.bool_]:
         return result
     gutter = np.flatnonzero(~texels.core)
     border = np.roll(surface.neighbor < 0, -1, axis=1)[texels.points.face[gutter]]
-    result[gutter] = (border & (texels.points.barycentric[gutter] == 0)).any(axis=1)
+    result[gutter] = (border & (texels.points.barycentric[gutter] < _ON_BORDER)).any(axis=1)
     return result
 
 
