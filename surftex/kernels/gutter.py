@@ -73,7 +73,7 @@ def continue_band(
 
     The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line
     from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
-    mesh it goes on along the border. face, host (rows, width) int32, weight (rows, width, 3), turn
+    mesh it goes on along the border, and ends on it. face, host (rows, width) int32, weight (rows, width, 3), turn
     (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face
     left, and the turn from its frame into the reached one's.
     """
@@ -106,6 +106,7 @@ def continue_band(
             g, entered, cosine, sine = f, -1, 1.0, 0.0
             w0, w1, w2 = 1.0, 0.0, 0.0
             slides = 0
+            stop, stop0, stop1, stop2, stop_cosine, stop_sine = f, 1.0, 0.0, 0.0, 1.0, 0.0
             for step in range(4096):
                 bx, cx, cy = flat[g, 1, 0], flat[g, 2, 0], flat[g, 2, 1]
                 w2 = ty / cy
@@ -127,6 +128,16 @@ def continue_band(
                     if crossing < soonest - 1e-12 or (crossing <= soonest + 1e-12 and there < deepest):
                         leave, soonest, deepest = edge, crossing, there
                 if leave < 0:
+                    if slides > 0:
+                        on_border = False
+                        if neighbor[g, 1] < 0 and w0 < 1e-9:
+                            w0, on_border = 0.0, True
+                        if neighbor[g, 2] < 0 and w1 < 1e-9:
+                            w1, on_border = 0.0, True
+                        if neighbor[g, 0] < 0 and w2 < 1e-9:
+                            w2, on_border = 0.0, True
+                        if not on_border:
+                            g, w0, w1, w2, cosine, sine = stop, stop0, stop1, stop2, stop_cosine, stop_sine
                     break
                 other = neighbor[g, leave]
                 if other < 0:
@@ -141,6 +152,7 @@ def continue_band(
                     w0 = along if after == 0 else (1.0 - along if leave == 0 else 0.0)
                     w1 = along if after == 1 else (1.0 - along if leave == 1 else 0.0)
                     w2 = along if after == 2 else (1.0 - along if leave == 2 else 0.0)
+                    stop, stop0, stop1, stop2, stop_cosine, stop_sine = g, w0, w1, w2, cosine, sine
                     slides += 1
                     if slides == 8:
                         break

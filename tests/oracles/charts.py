@@ -59,12 +59,12 @@ def nearest_edges(corner, edges, radius, face):
 def straight_walk(surface, face, start, target):
     """Lay triangles out flat along a straight line, by their edge lengths in space alone.
 
-    From `start` to `target`, both in the frame of `face`; goes on along borders.
+    From `start` to `target`, both in the frame of `face`; goes on along borders, and ends on them.
     Returns the face, the weights there, and the turn from the first frame into the last.
     """
     laid = {int(surface.faces[face, i]): complex(*surface.flat[face, i]) for i in range(3)}
     here, there = complex(*start), complex(*target)
-    came, slides = -1, 0
+    came, slides, stop = -1, 0, None
     while True:
         names = [int(v) for v in surface.faces[face]]
         corner = np.array([laid[v] for v in names])
@@ -79,6 +79,10 @@ def straight_walk(surface, face, start, target):
                 crossings.append((inside / (inside - weight[i]), weight[i], edge))
         x_axis = corner[1] - corner[0]
         if not crossings:
+            borders = [i for i in range(3) if surface.neighbor[face, (i + 1) % 3] < 0 and weight[i] < 1e-9]
+            if slides and not borders:
+                return stop
+            weight[borders] = 0
             weight = np.maximum(weight, 0)
             return face, weight / weight.sum(), -np.angle(x_axis)
         edge = min(crossings)[2]
@@ -90,11 +94,12 @@ def straight_walk(surface, face, start, target):
             there = laid[a] + along * d
             here = laid[a] + np.clip(along, 0, 1) * d
             came = edge
+            weight = np.zeros(3)
+            weight[edge], weight[(edge + 1) % 3] = 1 - np.clip(along, 0, 1), np.clip(along, 0, 1)
+            stop = face, weight, -np.angle(x_axis)
             slides += 1
             if slides == 8:
-                weight = np.zeros(3)
-                weight[edge], weight[(edge + 1) % 3] = 1 - np.clip(along, 0, 1), np.clip(along, 0, 1)
-                return face, weight, -np.angle(x_axis)
+                return stop
             continue
         came = int(surface.neighbor_edge[face, edge])
         apex = int(next(v for v in surface.faces[other] if v not in (a, b)))
