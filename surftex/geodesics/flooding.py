@@ -13,6 +13,9 @@ from surftex.surface.surface import Surface
 
 SOURCES_A_SLICE = 256
 
+MOST_WINDOWS = 50_000_000
+"""Windows of one source; more means a mesh beyond repair, or a reach that only heat can serve."""
+
 
 class _Worker:
     """Buffers that one worker floods in; none of them outlives the call."""
@@ -99,7 +102,7 @@ def flood_primitives(
 
     count, faces = len(start) - 1, len(surface.faces)
     asked = np.ones(faces, bool) if wanted is None else checked(wanted, "wanted", (faces,), np.bool_)
-    most = 10_000_000 + 1_000 * faces
+    most = MOST_WINDOWS
     given = (frozen(start), read_only_view(face, np.int32), frozen(primitive), radius, most)
     mesh = (*packed(surface), frozen(asked.astype(np.uint8)), bound)
     workers: list[_Worker] = []

@@ -1,5 +1,7 @@
 """Slow, obvious twins of the geodesic kernels: exact distances from libigl, and brute force."""
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -61,3 +63,45 @@ def random_points(surface: Surface, count: int, seed: int = 0, *, margin: float 
 def at_most(points: SurfacePoints, row: int) -> SurfacePoints:
     """One of some points."""
     return SurfacePoints(points.face[row : row + 1], points.barycentric[row : row + 1])
+
+
+def pieces_of_plane_polyline(shape: Surface, turns: NDArray[np.float64]):
+    """Cut a polyline in the xy plane at the edges of a flat mesh."""
+    from surftex.geodesics.pieces import CurvePieces
+
+    corners = shape.vertices[shape.faces][:, :, :2]
+    edges = np.concatenate([np.stack([corners[:, i], corners[:, (i + 1) % 3]], axis=1) for i in range(3)])
+    inverse = np.linalg.inv(
+        np.concatenate([corners.transpose(0, 2, 1), np.ones((len(corners), 1, 3))], axis=1)
+    )
+    face, start, end = [], [], []
+    for p, q in itertools.pairwise(turns):
+        along, side = q - p, edges[:, 1] - edges[:, 0]
+        offset = edges[:, 0] - p
+        across = along[0] * side[:, 1] - along[1] * side[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (offset[:, 0] * side[:, 1] - offset[:, 1] * side[:, 0]) / across
+            u = (offset[:, 0] * along[1] - offset[:, 1] * along[0]) / across
+        cuts = t[(np.abs(across) > 1e-12) & (t > 0) & (t < 1) & (u > -1e-9) & (u < 1 + 1e-9)]
+        cuts = np.unique(np.round(np.concatenate([[0.0, 1.0], cuts]), 13))
+        for low, high in itertools.pairwise(cuts):
+            middle = p + along * (low + high) / 2
+            f = int(np.argmax((inverse @ np.append(middle, 1.0)).min(axis=1)))
+            to_face, origin = shape.frame[f][:2, :2], corners[f, 0]
+            face.append(f)
+            start.append(to_face @ (p + along * low - origin))
+            end.append(to_face @ (p + along * high - origin))
+    return CurvePieces.of(face, start, end, np.zeros(len(face), int))
+
+
+def distance_to_polyline(turns: NDArray[np.float64], places: NDArray[np.float64]):
+    """Distance to the nearest place of a polyline in the plane, and the length before it."""
+    best, along, length = np.full(len(places), np.inf), np.zeros(len(places)), 0.0
+    for p, q in itertools.pairwise(turns):
+        size = np.hypot(*(q - p))
+        share = np.clip((places - p) @ (q - p) / size**2, 0, 1)
+        distance = np.linalg.norm(places - (p + share[:, None] * (q - p)), axis=1)
+        nearer = distance < best
+        best[nearer], along[nearer] = distance[nearer], (length + share * size)[nearer]
+        length += size
+    return best, along
