@@ -12,7 +12,8 @@ def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np
     """Bound the distance to the k-th nearest of some sources, anywhere on each face.
 
     Walks along edges bound it at the corners; inside, the walk
-    from the best corner is added. The bound is good where sources are several edges apart, and loose where faces hold many: a radius serves those.
+    from the best corner is added. The bound is good where sources are several edges apart, and loose
+    where faces hold many: a radius serves those.
 
     Parameters
     ----------
