@@ -24,9 +24,24 @@ def touch(near, near_of, source, vertex):
 
 @part
 def approach(
-    ids, shape, turning, near, near_of, count, heap_key, links, window, window_id, source, limit, corner,
-    distance, dx, dy, light,
-):  # fmt: skip
+    ids,
+    shape,
+    turning,
+    near,
+    near_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    source,
+    limit,
+    corner,
+    distance,
+    dx,
+    dy,
+    light,
+):
     """End a straight path of length `distance` at a corner (3 face + i), (dx, dy) pointing back along it."""
     face = corner // 3
     i = corner - 3 * face
@@ -46,9 +61,30 @@ def approach(
 
 @part
 def shine(
-    ids, shape, turning, fan_start, fan_corner, wanted, bound, near, near_of, edge_of, count, heap_key,
-    links, window, window_id, row, row_id, source, limit, vertex, corner, local, light,
-):  # fmt: skip
+    ids,
+    shape,
+    turning,
+    fan_start,
+    fan_corner,
+    wanted,
+    bound,
+    near,
+    near_of,
+    edge_of,
+    count,
+    heap_key,
+    links,
+    window,
+    window_id,
+    row,
+    row_id,
+    source,
+    limit,
+    vertex,
+    corner,
+    local,
+    light,
+):
     """Send a corner into its shadow: the directions more than half a turn from `local`, where the path came in."""
     arrived = local + shape[corner // 3, corner % 3, 8]
     total = abs(turning[vertex])
@@ -83,9 +119,24 @@ def shine(
                 onward = light.sigma + shape[face, i if side == 0 else i2, 2]
                 dx, dy = px - shape[face, q, 0], py - shape[face, q, 1]
                 approach(
-                    ids, shape, turning, near, near_of, count, heap_key, links, window, window_id, source,
-                    limit, 3 * face + q, onward, dx, dy, here,
-                )  # fmt: skip
+                    ids,
+                    shape,
+                    turning,
+                    near,
+                    near_of,
+                    count,
+                    heap_key,
+                    links,
+                    window,
+                    window_id,
+                    source,
+                    limit,
+                    3 * face + q,
+                    onward,
+                    dx,
+                    dy,
+                    here,
+                )
         length = shape[face, i1, 2]
         bx, by = shape[face, i1, 0] - px, shape[face, i1, 1] - py
         ux, uy = (shape[face, i2, 0] - px - bx) / length, (shape[face, i2, 1] - py - by) / length
@@ -101,6 +152,21 @@ def shine(
                 else:
                     t1 = t
         enter(
-            ids, shape, bound, edge_of, count, heap_key, links, window, window_id, source, limit, face, i1,
-            t0, t1, DIRECT, here,
-        )  # fmt: skip
+            ids,
+            shape,
+            bound,
+            edge_of,
+            count,
+            heap_key,
+            links,
+            window,
+            window_id,
+            source,
+            limit,
+            face,
+            i1,
+            t0,
+            t1,
+            DIRECT,
+            here,
+        )
