@@ -108,7 +108,7 @@ def flood_points(
 
 
 def buckets_for(surface: Surface, radius_mm: NDArray[np.float64]) -> Buckets:
-    """Choose cells of half a radius, but no more than four for each source.
+    """Choose cells as large as a radius, and no fewer than six sources to a cell.
 
     Parameters
     ----------
@@ -125,9 +125,7 @@ def buckets_for(surface: Surface, radius_mm: NDArray[np.float64]) -> Buckets:
     finite = radius_mm[np.isfinite(radius_mm)]
     if not len(finite):
         return Buckets.of(surface)
-    return Buckets.of(
-        surface, max(0.5 * float(np.median(finite)), math.sqrt(surface.area_mm2 / (4 * len(finite))))
-    )
+    return Buckets.of(surface, max(float(np.median(finite)), math.sqrt(6 * surface.area_mm2 / len(finite))))
 
 
 def nearest(

@@ -14,25 +14,9 @@ from surftex.kernels.jit import kernel
 
 @kernel
 def nearest_sources(
-    begin,
-    end,
-    face,
-    barycentric,
-    flat,
-    first,
-    cells,
-    grid,
-    start,
-    entry_row,
-    entry_least,
-    row,
-    row_id,
-    source_of,
-    limit,
-    source,
-    distance,
-    found,
-):
+    begin, end, face, barycentric, flat, first, cells, grid, start, entry_row, entry_least, row, row_id,
+    source_of, limit, source, distance, found,
+):  # fmt: skip
     """Find the k nearest sources of samples [begin, end).
 
     source (n, k) int32 is given as -1, distance (n, k) as inf, and found (n, k) int32, the row, as -1.
@@ -94,27 +78,9 @@ def log_map(begin, end, face, barycentric, flat, row, row_id, distance, found, v
 
 @kernel
 def sources_within(
-    begin,
-    end,
-    fill,
-    face,
-    barycentric,
-    flat,
-    first,
-    cells,
-    grid,
-    start,
-    entry_row,
-    entry_least,
-    row,
-    row_id,
-    source_of,
-    limit,
-    point_start,
-    source,
-    distance,
-    found,
-):
+    begin, end, fill, face, barycentric, flat, first, cells, grid, start, entry_row, entry_least, row,
+    row_id, source_of, limit, point_start, source, distance, found,
+):  # fmt: skip
     """All sources within their radius of samples [begin, end), ordered by (distance, source).
 
     With fill == 0 an upper bound of their number goes to point_start[i + 1]. With 1, sample i writes from
@@ -159,28 +125,9 @@ def sources_within(
 
 @kernel
 def nearest_place(
-    begin,
-    end,
-    face,
-    barycentric,
-    flat,
-    first,
-    cells,
-    grid,
-    start,
-    entry_row,
-    entry_least,
-    row,
-    row_id,
-    limit,
-    piece_of,
-    along_of,
-    tangent,
-    piece,
-    distance,
-    along,
-    side,
-):
+    begin, end, face, barycentric, flat, first, cells, grid, start, entry_row, entry_least, row, row_id,
+    limit, piece_of, along_of, tangent, piece, distance, along, side,
+):  # fmt: skip
     """Find the nearest place on a curve for samples [begin, end).
 
     piece_of (p,) int32, along_of (p,), tangent (p, 2): of each primitive. piece (n,) int32 is given as -1, distance (n,)

@@ -24,24 +24,9 @@ def touch(near, near_of, source, vertex):
 
 @part
 def approach(
-    ids,
-    shape,
-    turning,
-    near,
-    near_of,
-    count,
-    heap_key,
-    links,
-    window,
-    window_id,
-    source,
-    limit,
-    corner,
-    distance,
-    dx,
-    dy,
-    light,
-):
+    ids, shape, turning, near, near_of, count, heap_key, links, window, window_id, source, limit, corner,
+    distance, dx, dy, light,
+):  # fmt: skip
     """End a straight path of length `distance` at a corner (3 face + i), (dx, dy) pointing back along it."""
     face = corner // 3
     i = corner - 3 * face
@@ -61,30 +46,9 @@ def approach(
 
 @part
 def shine(
-    ids,
-    shape,
-    turning,
-    fan_start,
-    fan_corner,
-    wanted,
-    bound,
-    near,
-    near_of,
-    edge_of,
-    count,
-    heap_key,
-    links,
-    window,
-    window_id,
-    row,
-    row_id,
-    source,
-    limit,
-    vertex,
-    corner,
-    local,
-    light,
-):
+    ids, shape, turning, fan_start, fan_corner, wanted, bound, near, near_of, edge_of, count, heap_key,
+    links, window, window_id, row, row_id, source, limit, vertex, corner, local, light,
+):  # fmt: skip
     """Send a corner into its shadow: the directions more than half a turn from `local`, where the path came in."""
     arrived = local + shape[corner // 3, corner % 3, 8]
     total = abs(turning[vertex])
@@ -119,24 +83,9 @@ def shine(
                 onward = light.sigma + shape[face, i if side == 0 else i2, 2]
                 dx, dy = px - shape[face, q, 0], py - shape[face, q, 1]
                 approach(
-                    ids,
-                    shape,
-                    turning,
-                    near,
-                    near_of,
-                    count,
-                    heap_key,
-                    links,
-                    window,
-                    window_id,
-                    source,
-                    limit,
-                    3 * face + q,
-                    onward,
-                    dx,
-                    dy,
-                    here,
-                )
+                    ids, shape, turning, near, near_of, count, heap_key, links, window, window_id, source,
+                    limit, 3 * face + q, onward, dx, dy, here,
+                )  # fmt: skip
         length = shape[face, i1, 2]
         bx, by = shape[face, i1, 0] - px, shape[face, i1, 1] - py
         ux, uy = (shape[face, i2, 0] - px - bx) / length, (shape[face, i2, 1] - py - by) / length
@@ -152,21 +101,6 @@ def shine(
                 else:
                     t1 = t
         enter(
-            ids,
-            shape,
-            bound,
-            edge_of,
-            count,
-            heap_key,
-            links,
-            window,
-            window_id,
-            source,
-            limit,
-            face,
-            i1,
-            t0,
-            t1,
-            DIRECT,
-            here,
-        )
+            ids, shape, bound, edge_of, count, heap_key, links, window, window_id, source, limit, face, i1,
+            t0, t1, DIRECT, here,
+        )  # fmt: skip

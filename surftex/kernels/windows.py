@@ -50,6 +50,20 @@ def _foot(ax, ay, bx, by, x, y):
 
 
 @part
+def _stays_inside(shape, limit, face, primitive, q):
+    """Tell whether nothing within `limit` of primitive q lies beyond its face."""
+    for i in range(3):
+        onward = i + 1 if i < 2 else 0
+        px, py = shape[face, i, 0], shape[face, i, 1]
+        ex, ey = shape[face, onward, 0] - px, shape[face, onward, 1] - py
+        a = ex * (primitive[q, 1] - py) - ey * (primitive[q, 0] - px)
+        b = ex * (primitive[q, 3] - py) - ey * (primitive[q, 2] - px)
+        if min(a, b) < limit * shape[face, i, 2]:
+            return False
+    return True
+
+
+@part
 def _measure_corners(ids, shape, near, near_of, source, face, primitive, q):
     """Walk straight from primitive q to the corners of its face."""
     ax, ay, bx, by = primitive[q, 0], primitive[q, 1], primitive[q, 2], primitive[q, 3]
@@ -58,37 +72,21 @@ def _measure_corners(ids, shape, near, near_of, source, face, primitive, q):
         touch(near, near_of, source, v)
         x, y = shape[face, i, 0], shape[face, i, 1]
         share = _foot(ax, ay, bx, by, x, y)
-        near[v] = min(near[v], math.hypot(ax + share * (bx - ax) - x, ay + share * (by - ay) - y))
+        near[v] = min(
+            near[v], math.sqrt((ax + share * (bx - ax) - x) ** 2 + (ay + share * (by - ay) - y) ** 2)
+        )
 
 
 @part
 def _leave(
-    ids,
-    shape,
-    turning,
-    wanted,
-    bound,
-    near,
-    near_of,
-    edge_of,
-    count,
-    heap_key,
-    links,
-    window,
-    window_id,
-    row,
-    row_id,
-    source,
-    limit,
-    face,
-    primitive,
-    q,
-):
+    ids, shape, turning, wanted, bound, near, near_of, edge_of, count, heap_key, links, window, window_id,
+    row, row_id, source, limit, face, primitive, q, inside,
+):  # fmt: skip
     """Record primitive q in its own face, and send it through the edges and to the corners."""
     ax, ay, bx, by = primitive[q, 0], primitive[q, 1], primitive[q, 2], primitive[q, 3]
     w0x, w0y, w1x, w1y = primitive[q, 4], primitive[q, 5], primitive[q, 6], primitive[q, 7]
     cap = w0x != 0 or w0y != 0
-    long = math.hypot(bx - ax, by - ay)
+    long = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
     nx, ny = 1.0, 0.0
     if long > 0:
         nx, ny = -(by - ay) / long, (bx - ax) / long
@@ -96,35 +94,22 @@ def _leave(
         record(
             count, row, row_id, face, 0.0, ax, ay, bx, by, Light(6 if long > 0 else 0, q, ax, ay, 0.0, nx, ny)
         )
+    if inside:
+        return
     for i in range(3):
         px, py = shape[face, i, 0], shape[face, i, 1]
         share = _foot(ax, ay, bx, by, px, py)
         dx, dy = ax + share * (bx - ax) - px, ay + share * (by - ay) - py
-        distance = math.hypot(dx, dy)
+        distance = math.sqrt(dx * dx + dy * dy)
         kind, c, s = 1, 1.0, 0.0
         if long > 0:
             kind, c = 4 if (px - ax) * nx + (py - ay) * ny > 0 else 5, share * long
         elif distance > 0:
             c, s = -dx / distance, -dy / distance
         approach(
-            ids,
-            shape,
-            turning,
-            near,
-            near_of,
-            count,
-            heap_key,
-            links,
-            window,
-            window_id,
-            source,
-            limit,
-            3 * face + i,
-            distance,
-            dx,
-            dy,
-            Light(kind, q, 0.0, 0.0, 0.0, c, s),
-        )
+            ids, shape, turning, near, near_of, count, heap_key, links, window, window_id, source, limit, 3
+            * face + i, distance, dx, dy, Light(kind, q, 0.0, 0.0, 0.0, c, s),
+        )  # fmt: skip
         length = shape[face, i, 2]
         onward = i + 1 if i < 2 else 0
         ex, ey = (shape[face, onward, 0] - px) / length, (shape[face, onward, 1] - py) / length
@@ -144,54 +129,16 @@ def _leave(
                 )
             light = Light(2 + right if long > 0 else 0, q, ax, ay, 0.0, sign * nx, sign * ny)
             enter(
-                ids,
-                shape,
-                bound,
-                edge_of,
-                count,
-                heap_key,
-                links,
-                window,
-                window_id,
-                source,
-                limit,
-                face,
-                i,
-                low,
-                high,
-                DIRECT,
-                light,
-            )
+                ids, shape, bound, edge_of, count, heap_key, links, window, window_id, source, limit, face,
+                i, low, high, DIRECT, light,
+            )  # fmt: skip
 
 
 @part
 def _cross(
-    ids,
-    shape,
-    turning,
-    wanted,
-    bound,
-    near,
-    near_of,
-    split,
-    edge_of,
-    count,
-    heap_key,
-    links,
-    window,
-    window_id,
-    row,
-    row_id,
-    source,
-    limit,
-    face,
-    j,
-    branch,
-    b0,
-    b1,
-    least,
-    light,
-):
+    ids, shape, turning, wanted, bound, near, near_of, split, edge_of, count, heap_key, links, window,
+    window_id, row, row_id, source, limit, face, j, branch, b0, b1, least, light,
+):  # fmt: skip
     """Take a window into its face through edge j: record it, measure the corner opposite, and go on."""
     j1 = j + 1 if j < 2 else 0
     j2 = j - 1 if j > 0 else 2
@@ -298,56 +245,17 @@ def _cross(
         elif (near[B] + math.sqrt((Y1x - bx) * (Y1x - bx) + (Y1y - by) * (Y1y - by))) * SLACK < d1:
             continue
         enter(
-            ids,
-            shape,
-            bound,
-            edge_of,
-            count,
-            heap_key,
-            links,
-            window,
-            window_id,
-            source,
-            limit,
-            face,
-            e,
-            t0,
-            t1,
-            side,
-            light,
-        )
+            ids, shape, bound, edge_of, count, heap_key, links, window, window_id, source, limit, face, e,
+            t0, t1, side, light,
+        )  # fmt: skip
 
 
 @kernel
 def flood(
-    first,
-    last,
-    stamp,
-    primitive_start,
-    primitive_face,
-    primitive,
-    radius,
-    most,
-    ids,
-    shape,
-    turning,
-    fan_start,
-    fan_corner,
-    wanted,
-    bound,
-    near,
-    near_of,
-    lit_of,
-    split,
-    edge_of,
-    count,
-    heap_key,
-    links,
-    window,
-    window_id,
-    row,
-    row_id,
-):
+    first, last, stamp, primitive_start, primitive_face, primitive, radius, most, ids, shape, turning,
+    fan_start, fan_corner, wanted, bound, near, near_of, lit_of, split, edge_of, count, heap_key, links,
+    window, window_id, row, row_id,
+):  # fmt: skip
     """Flood sources [first, last): source k owns primitives primitive_start[k] to primitive_start[k + 1].
 
     primitive (p, 8): start and end in the frame of its face (the same for a point), then the two unit directions,
@@ -362,31 +270,17 @@ def flood(
         limit = radius[k]
         rows = count[3]
         count[0], count[1], count[2], count[4], count[5] = 0, 0, 0, 0, 0
+        inside = True
         for q in range(primitive_start[k], primitive_start[k + 1]):
-            _measure_corners(ids, shape, near, near_of, source, np.int64(primitive_face[q]), primitive, q)
+            inside = inside and _stays_inside(shape, limit, np.int64(primitive_face[q]), primitive, q)
+        for q in range(primitive_start[k], primitive_start[k + 1]):
+            if not inside:
+                _measure_corners(ids, shape, near, near_of, source, np.int64(primitive_face[q]), primitive, q)
         for q in range(primitive_start[k], primitive_start[k + 1]):
             _leave(
-                ids,
-                shape,
-                turning,
-                wanted,
-                bound,
-                near,
-                near_of,
-                edge_of,
-                count,
-                heap_key,
-                links,
-                window,
-                window_id,
-                row,
-                row_id,
-                source,
-                limit,
-                np.int64(primitive_face[q]),
-                primitive,
-                q,
-            )
+                ids, shape, turning, wanted, bound, near, near_of, edge_of, count, heap_key, links, window,
+                window_id, row, row_id, source, limit, np.int64(primitive_face[q]), primitive, q, inside,
+            )  # fmt: skip
         popped = 0
         while count[0] > 0 and popped <= most and count[4] == 0 and count[5] == 0:
             popped += 1
@@ -403,59 +297,17 @@ def flood(
             light = Light(abs(kind), q, window[w, 2], window[w, 3], sigma, window[w, 5], window[w, 6])
             if kind > -1:
                 _cross(
-                    ids,
-                    shape,
-                    turning,
-                    wanted,
-                    bound,
-                    near,
-                    near_of,
-                    split,
-                    edge_of,
-                    count,
-                    heap_key,
-                    links,
-                    window,
-                    window_id,
-                    row,
-                    row_id,
-                    source,
-                    limit,
-                    place,
-                    edge,
-                    branch,
-                    window[w, 0],
-                    window[w, 1],
-                    least,
-                    light,
-                )
+                    ids, shape, turning, wanted, bound, near, near_of, split, edge_of, count, heap_key,
+                    links, window, window_id, row, row_id, source, limit, place, edge, branch, window[w, 0],
+                    window[w, 1], least, light,
+                )  # fmt: skip
             elif kind > DEAD and lit_of[place] != source and sigma <= near[place] * SLACK:
                 lit_of[place] = source
                 shine(
-                    ids,
-                    shape,
-                    turning,
-                    fan_start,
-                    fan_corner,
-                    wanted,
-                    bound,
-                    near,
-                    near_of,
-                    edge_of,
-                    count,
-                    heap_key,
-                    links,
-                    window,
-                    window_id,
-                    row,
-                    row_id,
-                    source,
-                    limit,
-                    place,
-                    edge,
-                    window[w, 0],
-                    light,
-                )
+                    ids, shape, turning, fan_start, fan_corner, wanted, bound, near, near_of, edge_of,
+                    count, heap_key, links, window, window_id, row, row_id, source, limit, place, edge,
+                    window[w, 0], light,
+                )  # fmt: skip
         if popped > most or count[4] > 0 or count[5] > 0:
             count[3] = rows
             return k, 3 if popped > most else (1 if count[4] > 0 else 2)
