@@ -40,7 +40,7 @@ def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np
     while full:
         label.fill(-1)
         length.fill(np.inf)
-        key, item, used = np.zeros(room), np.zeros((room, 2), np.int32), np.zeros(vertices, np.int32)
+        key, item = np.zeros(room), np.zeros((room, 2), np.int32)
         full = nearest_labels(
             read_only_view(points.face, np.int32),
             frozen(points.flat(surface)),
@@ -53,7 +53,6 @@ def nearest_bound(surface: Surface, points: SurfacePoints, k: int) -> NDArray[np
             item,
             label,
             length,
-            used,
         )
         room *= 2
     bound = np.zeros(len(surface.faces))

@@ -2,49 +2,72 @@
 
 import math
 
-from surftex.kernels.jit import kernel
+import numpy as np
+
+from surftex.kernels.jit import kernel, part
+
+
+@part
+def _offer(label, length, waiting, heap_key, heap_item, vertex, source, distance):
+    """Note a walk to a vertex if it is among the k shortest from different sources, and queue it; the queue's length."""
+    k = label.shape[1]
+    if distance >= length[vertex, k - 1]:
+        return waiting
+    at = k - 1
+    for q in range(k):
+        if label[vertex, q] == source:
+            if length[vertex, q] <= distance:
+                return waiting
+            at = q
+            break
+    while at > 0 and length[vertex, at - 1] > distance:
+        length[vertex, at] = length[vertex, at - 1]
+        label[vertex, at] = label[vertex, at - 1]
+        at -= 1
+    length[vertex, at] = distance
+    label[vertex, at] = source
+    if waiting >= len(heap_key):
+        return waiting + 1
+    c = waiting
+    while c > 0:
+        parent = (c - 1) >> 1
+        if heap_key[parent] <= distance:
+            break
+        heap_key[c] = heap_key[parent]
+        heap_item[c, 0] = heap_item[parent, 0]
+        heap_item[c, 1] = heap_item[parent, 1]
+        c = parent
+    heap_key[c] = distance
+    heap_item[c, 0] = vertex
+    heap_item[c, 1] = source
+    return waiting + 1
 
 
 @kernel
 def nearest_labels(
-    face, place, faces, flat, corner_start, corner_of, edge_length, heap_key, heap_item, label, length, used
-):
-    """Walk from sources along edges until every vertex knows k of them.
+    face, place, faces, flat, corner_start, corner_of, edge_length, heap_key, heap_item, label, length,
+):  # fmt: skip
+    """Walk from sources along edges until every vertex knows the k nearest of them.
 
-    face (s,) int32, place (s, 2) in the frame of the face; corner_start (n+1,), corner_of (3m,): corners 3 f + i around each
-    vertex. heap_key (h,), heap_item (h, 2) int32: room for the walks under way.
-    -> label (n, k) int32, given as -1, length (n, k) ascending, given as inf. used (n,) int32 is given as 0.
+    face (s,) int32, place (s, 2) in the frame of the face; corner_start (n+1,), corner_of (3m,): corners 3 f + i
+    around each vertex. heap_key (h,), heap_item (h, 2) int32: room for the walks under way.
+    -> label (n, k) int32, given as -1, length (n, k) ascending, given as inf.
     Returns 1 if the room was too small, else 0.
     """
-    k = label.shape[1]
     waiting = 0
-    sources = len(face)
-    next_source = 0
-    while waiting > 0 or next_source < sources:
-        if next_source < sources:
-            f = face[next_source]
-            for i in range(3):
-                if waiting >= len(heap_key):
-                    return 1
-                d = math.hypot(flat[f, i, 0] - place[next_source, 0], flat[f, i, 1] - place[next_source, 1])
-                c = waiting
-                while c > 0:
-                    parent = (c - 1) >> 1
-                    if heap_key[parent] <= d:
-                        break
-                    heap_key[c] = heap_key[parent]
-                    heap_item[c, 0] = heap_item[parent, 0]
-                    heap_item[c, 1] = heap_item[parent, 1]
-                    c = parent
-                heap_key[c] = d
-                heap_item[c, 0] = faces[f, i]
-                heap_item[c, 1] = next_source
-                waiting += 1
-            next_source += 1
-            continue
+    for source in range(len(face)):
+        f = face[source]
+        for i in range(3):
+            dx, dy = flat[f, i, 0] - place[source, 0], flat[f, i, 1] - place[source, 1]
+            waiting = _offer(
+                label, length, waiting, heap_key, heap_item, faces[f, i], source, math.sqrt(dx * dx + dy * dy)
+            )
+            if waiting > len(heap_key):
+                return 1
+    while waiting > 0:
         d = heap_key[0]
         v = heap_item[0, 0]
-        source = heap_item[0, 1]
+        source = np.int64(heap_item[0, 1])
         waiting -= 1
         key = heap_key[waiting]
         item0, item1 = heap_item[waiting, 0], heap_item[waiting, 1]
@@ -64,17 +87,11 @@ def nearest_labels(
         heap_key[c] = key
         heap_item[c, 0] = item0
         heap_item[c, 1] = item1
-        n = used[v]
-        if n >= k:
+        current = False
+        for q in range(label.shape[1]):
+            current = current or (label[v, q] == source and length[v, q] == d)
+        if not current:
             continue
-        known = False
-        for q in range(n):
-            known = known or label[v, q] == source
-        if known:
-            continue
-        label[v, n] = source
-        length[v, n] = d
-        used[v] = n + 1
         for at in range(2 * corner_start[v], 2 * corner_start[v + 1]):
             corner = corner_of[at >> 1]
             f = corner // 3
@@ -85,29 +102,9 @@ def nearest_labels(
             else:
                 edge = i - 1 if i > 0 else 2
                 u = faces[f, edge]
-            if used[u] >= k:
-                continue
-            known = False
-            for q in range(used[u]):
-                known = known or label[u, q] == source
-            if known:
-                continue
-            if waiting >= len(heap_key):
+            waiting = _offer(label, length, waiting, heap_key, heap_item, u, source, d + edge_length[f, edge])
+            if waiting > len(heap_key):
                 return 1
-            onward = d + edge_length[f, edge]
-            c = waiting
-            while c > 0:
-                parent = (c - 1) >> 1
-                if heap_key[parent] <= onward:
-                    break
-                heap_key[c] = heap_key[parent]
-                heap_item[c, 0] = heap_item[parent, 0]
-                heap_item[c, 1] = heap_item[parent, 1]
-                c = parent
-            heap_key[c] = onward
-            heap_item[c, 0] = u
-            heap_item[c, 1] = source
-            waiting += 1
     return 0
 
 
