@@ -102,7 +102,8 @@ def accuracy(surface):
             theirs += seconds / len(sources)
         error = np.concatenate(errors)
         print(
-            f"  {edges:4g} h {len(error):12d} {missed:7d} {error.max():40.1e} {error.min():8.1e} {ours:14.5f} s {theirs:10.3f} s"
+            f"  {edges:4g} h {len(error):12d} {missed:7d} {error.max():40.1e} {error.min():8.1e}"
+            f" {ours:14.5f} s {theirs:10.3f} s"
         )
 
 
