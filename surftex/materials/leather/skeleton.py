@@ -173,27 +173,18 @@ def _pores(
 ) -> SurfacePoints:
     """Pores, alone or in groups, by area; a mask thins them and moves none."""
     random = stream(seed, "leather", "pores")
-    density = leather.pore_density
-    weight: Callable[[SurfacePoints], NDArray] | None = None
-    if isinstance(density, str):
-        field = names.scalar(density)
-        peak = float(np.max(field(scatter(surface, stream(seed, "leather", "pore peak"), count=4096)))) * 1.25
-        most = density = min(max(peak, 0.0), PORE_PER_MM2)
-
-        def share(points: SurfacePoints) -> NDArray:
-            return np.clip(field(points) / max(most, 1e-12), 0, 1)
-
-        weight = share
-    expected = density * surface.area_mm2
+    group = leather.pore_group
+    if isinstance(leather.pore_density, str):
+        density = names.scalar(f"clamp({leather.pore_density}, 0, {PORE_PER_MM2}) / {group}")
+        expected = float((density.span()[1] * surface.face_area_mm2).sum()) * group
+    else:
+        density, expected = leather.pore_density / group, leather.pore_density * surface.area_mm2
     if expected > max_features:
         raise RecipeError(
-            f"leather.pore_density: {density:g} per mm^2 on {surface.area_mm2:.0f} mm^2 are {expected:.0f} pores, more "
-            f"than the {max_features} features allowed; lower it, or raise --max-features"
+            f"leather.pore_density: {leather.pore_density} per mm^2 on {surface.area_mm2:.0f} mm^2 are up to "
+            f"{expected:.0f} pores, more than the {max_features} features allowed; lower it, or raise --max-features"
         )
-    if density <= 0:
-        return SurfacePoints.trusted(np.zeros(0, np.int32), np.zeros((0, 3)))
-    group = leather.pore_group
-    middle = scatter(surface, random, density_per_mm2=density / group, weight=weight)
+    middle = scatter(surface, random, density_per_mm2=density)
     if group == 1:
         return middle
     numbers = stream(seed, "leather", "pore groups").uniform(len(middle), 2)
