@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import read_only_view
 from surftex.bake.stack import Stack
 from surftex.charts.atlas import Atlas
 from surftex.charts.fill import nearest_mapped
@@ -135,7 +136,7 @@ def bake_pages(
         share = (
             None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
         )
-        values = _evaluated(stack, tile, channels, threads, share)
+        values = _evaluated(surface, stack, tile, channels, threads, share)
         own = slice(*np.searchsorted(tile.texel, [first * resolution, last * resolution]))
         place = tile.texel[own]
         mapped.ravel()[place] = True
@@ -209,22 +210,31 @@ def _tiles(resolution: int, rows: int | None) -> Iterator[tuple[int, int]]:
 
 
 def _evaluated(
-    stack: Stack, tile: Texels, channels: tuple[str, ...], threads: int | None, tick: Tick | None
+    surface: Surface,
+    stack: Stack,
+    tile: Texels,
+    channels: tuple[str, ...],
+    threads: int | None,
+    tick: Tick | None,
 ) -> dict[str, NDArray[Any]]:
-    """Evaluate the layers at a tile, in slices."""
-    samples = tile.samples
-    found = slices(
-        lambda first, last: stack.at(samples.part(first, last), channels),
-        len(samples),
-        size=_SLICE,
-        threads=threads,
-        tick=tick,
-    )
-    if not found:
-        return {
-            channel: _page(channel, 1).reshape(-1, *_page(channel, 1).shape[2:])[:0] for channel in channels
-        }
-    return {channel: np.concatenate([part.pop(channel) for part in found]) for channel in channels}
+    """Evaluate the layers at a tile, in slices of samples that lie face by face."""
+    from surftex.kernels.ordering import order_by_face
+
+    samples, faces = tile.samples, len(surface.faces)
+    order = np.zeros(len(samples), np.int32)
+    order_by_face(read_only_view(samples.points.face, np.int32), np.zeros(faces + 1, np.int64), order)
+    values = {
+        channel: np.zeros((len(samples), *_page(channel, 1).shape[2:]), _page(channel, 1).dtype)
+        for channel in channels
+    }
+
+    def work(first: int, last: int) -> None:
+        chosen = order[first:last]
+        for channel, value in stack.at(samples.taken(chosen), channels).items():
+            values[channel][chosen] = value
+
+    slices(work, len(samples), size=_SLICE, threads=threads, tick=tick)
+    return values
 
 
 class _Tools:

@@ -1,43 +1,21 @@
 """Where numbers on a surface come from: a picture through the mesh's own UVs, a part, an axis, noise.
 
 Each function returns a `Field`: called with points (and the samples' footprints, where known) it gives one
-number per point, and never depends on other points. The fields made here also know their `span`.
+number per point, and never depends on other points.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surftex.errors import RecipeError
 from surftex.fields.noise import Noise
-from surftex.fields.spans import Span, over_corners, over_pixels
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
 Field = Callable[..., NDArray[np.float64]]
 """``field(points, footprint_mm=0.0) -> (n,) float64``."""
-
-
-@dataclass(frozen=True, eq=False)
-class SpannedField:
-    """A `Field` with bounds on every face.
-
-    Attributes
-    ----------
-    value : Field
-        What it is at points.
-    span : callable
-        ``span()`` gives the least and the greatest value possible on each of the m faces, (m,) each.
-    """
-
-    value: Field
-    span: Callable[[], Span]
-
-    def __call__(self, points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-        """Evaluate at points."""
-        return self.value(points, footprint_mm)
 
 
 def file_positions(surface: Surface, points: SurfacePoints) -> NDArray[np.float64]:
@@ -74,48 +52,7 @@ def constant_field(value: float) -> Field:
     return lambda points, footprint_mm=0.0: np.full(len(points), float(value))
 
 
-def span_of(field: Field, surface: Surface) -> Span:
-    """Bound a field on each face.
-
-    Parameters
-    ----------
-    field : Field
-        With or without a span.
-    surface : Surface
-        m faces.
-
-    Returns
-    -------
-    low : (m,) float64
-        -inf where nothing is known.
-    high : (m,) float64
-        inf where nothing is known.
-    """
-    if isinstance(field, SpannedField):
-        return field.span()
-    return np.full(len(surface.faces), -np.inf), np.full(len(surface.faces), np.inf)
-
-
-def corner_field(values: NDArray[np.float64]) -> SpannedField:
-    """Interpolate numbers at the corners of faces.
-
-    Parameters
-    ----------
-    values : (m, 3) float64
-        At the corners of each face.
-
-    Returns
-    -------
-    field : SpannedField
-        Linear inside faces.
-    """
-    return SpannedField(
-        lambda points, footprint_mm=0.0: np.einsum("pk,pk->p", points.barycentric, values[points.face]),
-        lambda: over_corners(values),
-    )
-
-
-def part_field(surface: Surface, name: str) -> SpannedField:
+def part_field(surface: Surface, name: str) -> Field:
     """Give 1 on a part of the mesh and 0 elsewhere.
 
     Parameters
@@ -138,12 +75,12 @@ def part_field(surface: Surface, name: str) -> SpannedField:
     if name not in surface.part_names:
         raise RecipeError(f"the mesh has no part {name!r}; it has {', '.join(map(repr, surface.part_names))}")
     on_part = (surface.part == surface.part_names.index(name)).astype(np.float64)
-    return SpannedField(lambda points, footprint_mm=0.0: on_part[points.face], lambda: (on_part, on_part))
+    return lambda points, footprint_mm=0.0: on_part[points.face]
 
 
 def gradient_field(
     surface: Surface, axis: ArrayLike, start_mm: float | None = None, end_mm: float | None = None
-) -> SpannedField:
+) -> Field:
     """Rise from 0 to 1 along an axis.
 
     Parameters
@@ -179,17 +116,12 @@ def gradient_field(
         raise RecipeError(
             f"a gradient that starts and ends at {start:g} mm has no slope; does the surface extend along it?"
         )
-
-    def risen(places: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.clip((places @ along - start) / (end - start), 0.0, 1.0)
-
-    return SpannedField(
-        lambda points, footprint_mm=0.0: risen(file_positions(surface, points)),
-        lambda: over_corners(risen(surface.vertices + surface.origin_mm)[surface.faces]),
+    return lambda points, footprint_mm=0.0: np.clip(
+        (file_positions(surface, points) @ along - start) / (end - start), 0.0, 1.0
     )
 
 
-def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 1.0) -> SpannedField:
+def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 1.0) -> Field:
     """Let noise vary a number.
 
     Parameters
@@ -208,16 +140,14 @@ def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 
     field : Field
         From `low` to `high`.
     """
-
-    def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-        share = 0.5 + 0.5 * noise.at(points.positions(surface), footprint_mm).astype(np.float64)
-        return low + (high - low) * np.clip(share, 0.0, 1.0)
-
-    every = np.ones(len(surface.faces))
-    return SpannedField(field, lambda: (min(low, high) * every, max(low, high) * every))
+    return lambda points, footprint_mm=0.0: (
+        low
+        + (high - low)
+        * np.clip(0.5 + 0.5 * noise.at(points.positions(surface), footprint_mm).astype(np.float64), 0.0, 1.0)
+    )
 
 
-def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "image") -> SpannedField:
+def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "image") -> Field:
     """Read a picture through the mesh's own UVs, between texels bilinearly, repeating outside 0..1.
 
     Parameters
@@ -262,4 +192,4 @@ def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "im
         lower = pixels[below, i] * (1 - across) + pixels[below, right] * across
         return upper * (1 - down) + lower * down
 
-    return SpannedField(field, lambda: over_pixels(corner_uv, pixels))
+    return field

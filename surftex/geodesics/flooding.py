@@ -130,8 +130,12 @@ def flood_primitives(
         return result
 
     parts = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)
-    if not parts:
-        return frozen(np.zeros((0, 10))), frozen(np.zeros((0, 3), np.int32))
-    return frozen(np.concatenate([rows for rows, _ in parts])), frozen(
-        np.concatenate([ids for _, ids in parts])
-    )
+    parts.reverse()
+    total = sum(len(ids) for _, ids in parts)
+    row, row_id = np.zeros((total, 10)), np.zeros((total, 3), np.int32)
+    filled = 0
+    while parts:  # a part goes as soon as it is copied, so that the rows are never held twice
+        rows, ids = parts.pop()
+        row[filled : filled + len(ids)], row_id[filled : filled + len(ids)] = rows, ids
+        filled += len(ids)
+    return frozen(row), frozen(row_id)

@@ -7,6 +7,8 @@ source_of and limit (p,): source and radius of each primitive.
 
 import math
 
+import numpy as np
+
 from surftex.kernels.buckets import bucket_of
 from surftex.kernels.evaluate import distance_to, leaving_direction
 from surftex.kernels.jit import kernel
@@ -20,14 +22,23 @@ def nearest_sources(
     """Find the k nearest sources of samples [begin, end).
 
     source (n, k) int32 is given as -1, distance (n, k) as inf, and found (n, k) int32, the row, as -1.
+
+    The k-th distance grows by no more than a step does, so a sample in the bucket of the one before begins with a
+    bound, unless the step may leave the radius of what was found.
     """
     k = source.shape[1]
+    last_bucket, last_x, last_y, last_worst, room = np.int64(-1), 0.0, 0.0, math.inf, 0.0
     for i in range(begin, end):
         f = face[i]
         x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
         y = barycentric[i, 2] * flat[f, 2, 1]
         bucket = bucket_of(f, x, y, first, cells, grid)
-        worst = math.inf
+        bound = math.inf
+        if bucket == last_bucket:
+            step = math.sqrt((x - last_x) ** 2 + (y - last_y) ** 2)
+            if step < room:
+                bound = (last_worst + step) * (1.0 + 1e-9)
+        worst = bound
         for e in range(start[bucket], start[bucket + 1]):
             if entry_least[e] >= worst:
                 break
@@ -56,7 +67,12 @@ def nearest_sources(
             distance[i, at] = d
             source[i, at] = who
             found[i, at] = r
-            worst = distance[i, k - 1]
+            worst = min(bound, distance[i, k - 1])
+        last_bucket, last_x, last_y, last_worst, room = bucket, x, y, distance[i, k - 1], 0.0
+        if found[i, k - 1] >= 0:
+            room = math.inf
+            for q in range(k):
+                room = min(room, limit[row_id[found[i, q], 1]] - distance[i, q])
 
 
 @kernel

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from surftex.kernels.exponential import exponential
 from surftex.kernels.jit import kernel, part
 from surftex.kernels.random import uniform
 
@@ -46,11 +47,11 @@ def furrow_number(site, square, count, key, blend_mm, near):
         elif square[k] < second:
             second = square[k]
         largest = max(largest, square[k])
-    reach = 2.0 * blend_mm * math.sqrt(max(second, blend_mm * blend_mm))
+    per = 0.5 / (blend_mm * math.sqrt(max(second, blend_mm * blend_mm)))
     middle = 0.5 * (smallest + second)
     for k in range(count):
-        near[k] = math.exp((middle - square[k]) / reach)
-    least = math.exp((second - largest) / reach) if count > 2 else 0.0
+        near[k] = exponential((middle - square[k]) * per)
+    least = exponential((second - largest) * per) if count > 2 else 0.0
     total, weighted = 1e-9, 0.5e-9
     for a in range(count):
         for b in range(a + 1, count):
@@ -66,7 +67,7 @@ def furrow_number(site, square, count, key, blend_mm, near):
 @kernel
 def plates(
     site, distance, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm,
-    key, blend_mm, away, near, own, ratio, border_mm, own_mm, furrow,
+    key, blend_mm, away, near, last, last_mm, own, ratio, border_mm, own_mm, furrow,
 ):  # fmt: skip
     """Locate samples among Voronoi regions, whose borders may waver and whose corners may be round.
 
@@ -76,7 +77,7 @@ def plates(
     polygon: 1 for plates with corners, 0 for the sixth norm that rounds them;
     rounding_mm: of the corners of borders, 0 for none;
     key uint64, blend_mm: a random number for each furrow, and how far furrows blend where they meet;
-    away, near (k,) float64: scratch.
+    away, near (k,) float64: scratch; last (c,) int32, last_mm (c,) float64: what neighbouring samples share, c a power of 2.
     -> own (n,) int32 region, -1 for none; ratio (n,) float32: 0 at the site, 1 on the border;
     border_mm (n,) float32, inf for none; own_mm (n,) float32: distance to the own site;
     furrow (n,) float32: the random number, 0 to 1, of the furrow nearby.
@@ -85,6 +86,8 @@ def plates(
     is 1 on the bisector, and (1 - q) l / 2 is the distance to the bisector (exact in the plane).
     """
     most = site.shape[1]
+    last_here = -1
+    per_rounding = 1.0 / rounding_mm if rounding_mm > 0.0 else 0.0
     for sample in range(site.shape[0]):
         own[sample] = -1
         furrow[sample] = 0.5
@@ -114,12 +117,19 @@ def plates(
         own_mm[sample] = distance[sample, slot]
         total = 0.0
         nearest = math.inf
+        if here != last_here:
+            for k in range(len(last)):
+                last[k] = -1
         for k in range(count):
             if k == slot:
                 away[k] = math.inf
                 continue
             candidate = site[sample, k]
-            apart = between_sites(start, other, length, place, here, candidate)
+            kept = candidate & (len(last) - 1)
+            if last[kept] != candidate:
+                last[kept] = candidate
+                last_mm[kept] = between_sites(start, other, length, place, here, candidate)
+            apart = last_mm[kept]
             if apart <= 0.0:
                 away[k] = math.inf
                 continue
@@ -131,14 +141,15 @@ def plates(
             away[k] = 0.5 * (1.0 - q) * apart
             if away[k] < nearest:
                 nearest = away[k]
+        last_here = here
         if nearest == math.inf:
             continue
-        ratio[sample] = min(1.0, total if polygon else total ** (1.0 / 6.0))
+        ratio[sample] = min(1.0, total if polygon else math.sqrt(np.cbrt(total)))
         if rounding_mm > 0.0:
             crowd = 0.0
             for k in range(count):
-                beyond = (nearest - away[k]) / rounding_mm
+                beyond = (nearest - away[k]) * per_rounding
                 if beyond > -16.0:
-                    crowd += math.exp(beyond)
+                    crowd += exponential(beyond)
             nearest -= rounding_mm * math.log(crowd)
         border_mm[sample] = max(0.0, nearest)

@@ -160,3 +160,21 @@ class Samples:
             SurfacePoints.trusted(self.points.face[first:last], self.points.barycentric[first:last]),
             self.footprint_mm[first:last],
         )
+
+    def taken(self, rows: NDArray[np.integer]) -> "Samples":
+        """Pick samples.
+
+        Parameters
+        ----------
+        rows : (k,) int
+            Which ones, in any order.
+
+        Returns
+        -------
+        samples : Samples
+            k samples.
+        """
+        return Samples(
+            SurfacePoints.trusted(self.points.face[rows], self.points.barycentric[rows]),
+            self.footprint_mm[rows],
+        )

@@ -41,6 +41,30 @@ def test_cells_change_nothing_but_the_work(shape):
         assert tested[1] < 70 < tested[0] / 1.5
 
 
+@pytest.mark.parametrize("spread", [0.3, 2.0])
+@pytest.mark.parametrize("k", [1, 3, 5])
+@pytest.mark.parametrize(
+    "shape", [cube(), sphere(10.0, subdivisions=1), torus()], ids=["cube", "ball", "torus"]
+)
+def test_the_sample_before_changes_no_answer(shape, k, spread):
+    sources, points = random_points(shape, 300, 1), random_points(shape, 2000, 2)
+    radius = spread * np.sqrt(shape.area_mm2 / 300) * np.random.default_rng(3).uniform(0.5, 1.5, 300)
+    records = flood_points(shape, sources, radius)
+    order = np.argsort(records.buckets.find(points), kind="stable")  # whole runs in one bucket
+    points = SurfacePoints(points.face[order], points.barycentric[order])
+    every = nearest(records, points, k)
+    apart = np.argsort(np.random.default_rng(4).random(len(points)))
+    mixed = nearest(records, SurfacePoints(points.face[apart], points.barycentric[apart]), k)
+    for together, alone in zip(every, mixed, strict=True):
+        assert np.array_equal(together[apart], alone)
+    start, source, distance, _ = within(records, points)
+    for i in range(0, len(points), 7):
+        listed = distance[start[i] : start[i + 1]][:k]
+        assert np.array_equal(every[1][i, : len(listed)], listed)
+        assert np.array_equal(every[0][i, : len(listed)], source[start[i] : start[i + 1]][:k])
+        assert np.isinf(every[1][i, len(listed) :]).all()
+
+
 def test_every_point_finds_a_bucket_of_its_own_face():
     shape = cube()
     buckets = Buckets.of(shape, 0.7)

@@ -168,6 +168,22 @@ def test_too_many_features_are_refused(ball):
         Leather(cell_size=2.0, pore_density=1e6).place(ball, 1, max_features=10_000)
 
 
+@pytest.mark.parametrize(
+    ("changes", "advice"),
+    [
+        ({"cell_size": 0.01}, "raise leather.cell_size"),
+        ({"cell_size": "0.01 + 0 * x"}, "raise leather.cell_size"),
+        ({"pore_density": "400 + 0 * x"}, "lower leather.pore_density"),
+        ({"crown_spacing": 0.01}, "raise leather.crown_spacing"),
+        ({"wrinkle_density": 1e6}, "lower leather.wrinkle_density"),
+    ],
+)
+def test_too_many_features_are_refused_before_any_is_placed(ball, monkeypatch, changes, advice):
+    monkeypatch.setattr("surftex.materials.leather.skeleton._direction", pytest.fail)
+    with pytest.raises(RecipeError, match=advice):
+        Leather.preset("calf", **changes).place(ball, 1, max_features=50_000)
+
+
 def test_mistakes_name_the_nearest():
     with pytest.raises(RecipeError, match="did you mean calf"):
         Leather.preset("calv")

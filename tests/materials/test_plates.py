@@ -5,6 +5,8 @@ import pytest
 from scipy.spatial import Voronoi, cKDTree
 
 from surftex.arrays import frozen
+from surftex.kernels.exponential import exponential
+from surftex.kernels.jit import kernel
 from surftex.kernels.plates import plates
 from surftex.randomness import stream
 from tests.oracles.leather import plate
@@ -36,7 +38,8 @@ def run(places, samples, *, k=5, exponent=6.0, rounding=0.0, wave=0.0, blend=0.0
     key = stream(3, "borders").key
     plates(site.astype(np.int32), distance, frozen(start), frozen(other), frozen(apart.ravel()),
            frozen(np.column_stack([places, np.zeros(len(places))])), shift, *waves, int(np.isinf(exponent)),
-           rounding, np.uint64(key), blend, np.zeros(k), np.zeros(k), own, ratio, border, own_mm, furrow)  # fmt: skip
+           rounding, np.uint64(key), blend, np.zeros(k), np.zeros(k), np.zeros(4, np.int32), np.zeros(4),
+           own, ratio, border, own_mm, furrow)  # fmt: skip
     twin = [] if not compare else [
         plate(site[i], distance[i], apart, shift, np.array([waves[0][i], waves[1][i]], float), exponent, rounding, key,
               blend or 1.0)
@@ -99,3 +102,17 @@ def test_furrow_numbers_have_no_steps():
         steepest.append(np.abs(np.diff(found[4])).max())
     assert steepest[1] < steepest[0] / 8
     assert np.ptp(found[4]) > 0.3
+
+
+@kernel
+def exponentials(x, result):
+    for i in range(len(x)):
+        result[i] = exponential(x[i])
+
+
+def test_exponential_is_that_of_the_library():
+    x = np.concatenate([np.linspace(-86, 86, 20_001), [0.0, -1e3, 1e3]])
+    result = np.zeros(len(x))
+    exponentials(x, result)
+    np.testing.assert_allclose(result, np.exp(np.clip(x, -86, 86)), rtol=2e-12)
+    assert result[20_001] == 1.0

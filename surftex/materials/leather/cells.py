@@ -25,6 +25,9 @@ REACH = 2.6
 
 _BOX_EXPONENT = 5.0
 
+_KEPT = 16
+"""Distances between sites that are kept at hand from sample to sample."""
+
 
 @dataclass(frozen=True, eq=False)
 class Plates:
@@ -77,6 +80,7 @@ class Cells:
         surface: Surface,
         table: NDArray,
         random: Stream,
+        records: Records | None = None,
         threads: int | None = None,
         tick: Tick | None = None,
     ) -> "Cells":
@@ -92,6 +96,8 @@ class Cells:
             `face`, `barycentric`, `major_mm`, `minor_mm`, `angle_rad` of each site.
         random : Stream
             Of the cells.
+        records : Records, optional
+            From `flood_cells`, if that is done already.
         threads : int, optional
             None means every core.
         tick : callable, optional
@@ -102,15 +108,10 @@ class Cells:
         cells : Cells
             Read-only.
         """
-        sites = SurfacePoints.trusted(
-            np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
-        )
         major, minor = table["major_mm"].astype(np.float64), table["minor_mm"].astype(np.float64)
-        buckets = Buckets.of(surface, float(np.median(minor)) if len(minor) else 1.0)
-        records = flood_points(
-            surface, sites, REACH * major, buckets=buckets, bound_mm=nearest_bound(surface, sites, NEIGHBOURS),
-            threads=threads, tick=tick,
-        )  # fmt: skip
+        if records is None:
+            records = flood_cells(surface, table, threads, tick)
+        sites = records.sources
         stretch = major / minor
         angle = table["angle_rad"].astype(np.float64)
         start, other, apart, vector = within(records, sites, threads=threads)
@@ -164,7 +165,8 @@ class Cells:
             site, distance, self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
             int(leather.crista_shape == "polygon"),
             leather.rounding * size, np.uint64(self.key), 0.15 * size * (leather.sulcus_variation > 0),
-            np.zeros(NEIGHBOURS), np.zeros(NEIGHBOURS), own, ratio, border, own_mm, furrow,
+            np.zeros(NEIGHBOURS), np.zeros(NEIGHBOURS), np.zeros(_KEPT, np.int32), np.zeros(_KEPT),
+            own, ratio, border, own_mm, furrow,
         )  # fmt: skip
         if leather.crista_shape == "inscribed":
             ratio = np.minimum(own_mm / self.inscribed_mm[np.maximum(own, 0)], 1).astype(np.float32)
@@ -175,6 +177,42 @@ class Cells:
             turned = vector[:, 0] * np.cos(self.angle_rad[cell]) + vector[:, 1] * np.sin(self.angle_rad[cell])
             along = np.clip(turned / (0.6 * self.size_mm[cell]), -1, 1).astype(np.float32)
         return Plates(own, ratio, border, own_mm, furrow, along)
+
+
+def flood_cells(
+    surface: Surface, table: NDArray, threads: int | None = None, tick: Tick | None = None
+) -> Records:
+    """Flood from every cell's site, as far as the nearest few of any place.
+
+    Parameters
+    ----------
+    surface : Surface
+        Where the cells lie.
+    table : (c,) structured array
+        `face`, `barycentric`, `major_mm`, `minor_mm` of each site.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    records : Records
+        For the `NEIGHBOURS` nearest sites.
+    """
+    sites = SurfacePoints.trusted(
+        np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
+    )
+    minor = table["minor_mm"]
+    return flood_points(
+        surface,
+        sites,
+        REACH * table["major_mm"].astype(np.float64),
+        buckets=Buckets.of(surface, float(np.median(minor)) if len(minor) else 1.0),
+        bound_mm=nearest_bound(surface, sites, NEIGHBOURS),
+        threads=threads,
+        tick=tick,
+    )
 
 
 def _length(

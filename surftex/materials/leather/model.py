@@ -210,8 +210,9 @@ class Leather(BaseModel):
         from surftex.materials.leather.pattern import LeatherPattern
         from surftex.materials.leather.skeleton import place
 
+        records = None
         if features is None:
-            features = place(
+            features, records = place(
                 self, surface, seed, fields=fields, max_features=max_features, threads=threads, tick=tick
             )
-        return LeatherPattern.build(self, surface, seed, features, threads)
+        return LeatherPattern.build(self, surface, seed, features, records, threads)

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.features.curves import curve_pieces
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
 from surftex.geodesics.curves import flood_curves, nearest_curve
+from surftex.geodesics.records import Records
 from surftex.geodesics.windows import flood_points, nearest
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Cells
+from surftex.materials.leather.curves import curve_pieces
 from surftex.materials.leather.model import Leather
 from surftex.materials.leather.relief import Skeleton, layers
 from surftex.randomness import stream
@@ -62,6 +63,7 @@ class LeatherPattern:
         surface: Surface,
         seed: int,
         features: Mapping[str, NDArray],
+        records: Records | None = None,
         threads: int | None = None,
     ) -> "LeatherPattern":
         """Flood from features that are placed already.
@@ -76,6 +78,8 @@ class LeatherPattern:
             Of the noise and of what differs from cell to cell.
         features : mapping of str to structured array
             As `LeatherPattern.features` has them.
+        records : Records, optional
+            From `surftex.materials.leather.cells.flood_cells`, if that is done already.
         threads : int, optional
             None means every core.
 
@@ -109,7 +113,7 @@ class LeatherPattern:
                 points[kind] = flood_points(surface, where, 1.5 * width, buckets=buckets, threads=threads)
         return LeatherPattern(
             leather, surface, MappingProxyType(dict(features)),
-            Cells.build(leather, surface, features["cell"], stream(seed, "leather", "borders"), threads),
+            Cells.build(leather, surface, features["cell"], stream(seed, "leather", "borders"), records, threads),
             MappingProxyType(curves), MappingProxyType(points), seed,
         )  # fmt: skip
 

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
-from surftex.features.poisson import Sites, poisson_disk
+from surftex.features.poisson import Sites, expected_sites, poisson_disk
 from surftex.features.relax import relaxed
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
+from surftex.geodesics.records import Records
 from surftex.geodesics.tracing import trace
-from surftex.geodesics.windows import flood_points
 from surftex.kernels.pool import Tick
-from surftex.materials.leather.cells import REACH, shape_length
+from surftex.materials.leather.cells import REACH, flood_cells, shape_length
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
@@ -35,7 +35,7 @@ def place(
     max_features: int,
     threads: int | None,
     tick: Tick | None,
-) -> dict[str, NDArray]:
+) -> tuple[dict[str, NDArray], Records | None]:
     """Place every element.
 
     Parameters
@@ -59,9 +59,17 @@ def place(
     -------
     features : dict of str to structured array
         By kind; each row has `face` and `barycentric`.
+    records : Records or None
+        From `flood_cells`, where placing has asked for it.
+
+    Raises
+    ------
+    RecipeError
+        If about more than `max_features` would be placed; told before any is.
     """
     names = fields or FieldSet(surface)
     told = tick or (lambda share: None)
+    refuse_too_many(leather, surface, seed, names, max_features)
     direction = _direction(leather, surface, names)
     sites = poisson_disk(
         surface, _number(names, leather.cell_size, "cell_size"), stream(seed, "leather", "cells"),
@@ -73,10 +81,14 @@ def place(
             surface, sites, stream(seed, "leather", "evening out"), rounds=leather.regularity, threads=threads,
             length=None if leather.cell_shape == "round" else shape_length(leather.cell_shape, sites), reach=REACH,
         )  # fmt: skip
-    features = {"cell": sites.features}
-    features |= _on_the_graph(leather, surface, seed, names, sites, direction, threads)
-    told(0.8)
-    pores = _pores(leather, surface, seed, names, max_features, threads)
+    features, records = {"cell": sites.features}, None
+    count, cracked = _wrinkle_count(leather, surface, seed), leather.invasion != 0
+    if len(sites) and (count or cracked or leather.pocket_depth > 0):
+        records = flood_cells(surface, features["cell"], threads)
+        told(0.7)
+        features |= _on_the_graph(leather, surface, seed, names, sites, records, direction, threads)
+    told(0.9)
+    pores = _pores(leather, surface, seed, names, threads)
     if len(pores):
         features["pore"] = point_table(pores)
     if leather.crown_spacing > 0:
@@ -89,7 +101,55 @@ def place(
         )
         features["crown"] = point_table(crowns.points)
     told(1.0)
-    return features
+    return features, records
+
+
+def refuse_too_many(
+    leather: Leather, surface: Surface, seed: int, names: FieldSet, max_features: int
+) -> None:
+    """Refuse work beyond a number of features, from the numbers that are to be expected.
+
+    Parameters
+    ----------
+    leather : Leather
+        What would be placed.
+    surface : Surface
+        Where.
+    seed : int
+        Of all streams.
+    names : FieldSet
+        Named numbers.
+    max_features : int
+        Most that is allowed, of all kinds together.
+
+    Raises
+    ------
+    RecipeError
+        If about more would be placed; the message says how many of what, and what to change.
+    """
+    spacing = _number(names, leather.cell_size, "cell_size")
+    expected = {
+        "cells": expected_sites(surface, spacing, _number(names, leather.cell_ratio, "cell_ratio")),
+        "pores": _pore_density(leather, surface, seed, names) * surface.area_mm2,
+        "wrinkles": float(_wrinkle_count(leather, surface, seed)),
+        "crowns": expected_sites(surface, leather.crown_spacing, 1.0) if leather.crown_spacing > 0 else 0.0,
+    }
+    total = sum(expected.values())
+    if total <= max_features:
+        return
+    keys = {
+        "cells": "cell_size",
+        "pores": "pore_density",
+        "wrinkles": "wrinkle_density",
+        "crowns": "crown_spacing",
+    }
+    most = max(expected, key=lambda kind: expected[kind])
+    change = f"{'raise' if most in ('cells', 'crowns') else 'lower'} leather.{keys[most]}"
+    listed = ", ".join(f"{count:.0f} {kind}" for kind, count in expected.items() if count >= 0.5)
+    raise RecipeError(
+        f"{surface.area_mm2:.0f} mm^2 would hold about {total:.0f} features ({listed}), more than the {max_features} "
+        f"allowed; {change}, check the mesh's units, or raise --max-features"
+    )
 
 
 def point_table(points: SurfacePoints) -> NDArray:
@@ -129,21 +189,23 @@ def _direction(leather: Leather, surface: Surface, names: FieldSet) -> Direction
     return DirectionField.smoothest(surface)
 
 
+def _wrinkle_count(leather: Leather, surface: Surface, seed: int) -> int:
+    """Tell how many wrinkles a surface gets; what its density leaves of a whole one is drawn."""
+    share = float(stream(seed, "leather", "wrinkle count").uniform(1)[0, 0])
+    return leather.wrinkle_count + int(share + leather.wrinkle_density * surface.area_mm2 / 1000)
+
+
 def _on_the_graph(
-    leather: Leather, surface: Surface, seed: int, names: FieldSet, sites: Sites,
+    leather: Leather, surface: Surface, seed: int, names: FieldSet, sites: Sites, records: Records,
     direction: DirectionField | None, threads: int | None,
 ) -> dict[str, NDArray]:  # fmt: skip
     """Cracks, wrinkles and pockets: what hangs on the Voronoi graph of the cells."""
-    count = leather.wrinkle_count + int(stream(seed, "leather", "wrinkle count").uniform(1)[0, 0]
-                                        + leather.wrinkle_density * surface.area_mm2 / 1000)  # fmt: skip
-    cracked = leather.invasion != 0
-    if not (count or cracked or leather.pocket_depth > 0) or len(sites) == 0:
-        return {}
+    count, cracked = _wrinkle_count(leather, surface, seed), leather.invasion != 0
     from surftex.features.voronoi_graph import VoronoiGraph
     from surftex.materials.leather.cracks import cracks
     from surftex.materials.leather.wrinkles import wrinkles
 
-    graph = VoronoiGraph.of(surface, sites, threads=threads)
+    graph = VoronoiGraph.of(surface, sites, records=records, threads=threads)
     features = {}
     if count or cracked:
         stress = (
@@ -156,35 +218,43 @@ def _on_the_graph(
             relative = leather.invasion_mode == "relative"
             features["crack"] = cracks(surface, graph, stress, amount, relative=relative, threads=threads)
         if count:
-            size = sites.axis_mm[:, 0]
-            regions = flood_points(surface, sites.points, 1.5 * size, threads=threads)
             features["wrinkle"] = wrinkles(
-                surface, graph, regions, stress, stream(seed, "leather", "wrinkles"), count=count,
+                surface, graph, records, stress, stream(seed, "leather", "wrinkles"), count=count,
                 length_mm=leather.wrinkle_length, angle_rad=np.radians(leather.wrinkle_angle),
-                reach_mm=3 * float(size.max()),
+                reach_mm=3 * float(sites.axis_mm[:, 0].max()),
             )  # fmt: skip
     if leather.pocket_depth > 0 and len(graph.vertices):
         features["pocket"] = point_table(graph.vertices)
     return {kind: table for kind, table in features.items() if len(table)}
 
 
+def _pore_density(leather: Leather, surface: Surface, seed: int, names: FieldSet) -> float:
+    """Pores per mm^2, the highest that an expression reaches."""
+    if not isinstance(leather.pore_density, str):
+        return leather.pore_density
+    probes = scatter(surface, stream(seed, "leather", "pore peak"), count=4096)
+    peak = 1.25 * float(np.max(names.scalar(leather.pore_density)(probes)))
+    return min(max(peak, 0.0), PORE_PER_MM2)
+
+
 def _pores(
-    leather: Leather, surface: Surface, seed: int, names: FieldSet, max_features: int, threads: int | None
+    leather: Leather, surface: Surface, seed: int, names: FieldSet, threads: int | None
 ) -> SurfacePoints:
     """Pores, alone or in groups, by area; a mask thins them and moves none."""
     random = stream(seed, "leather", "pores")
-    group = leather.pore_group
+    density = _pore_density(leather, surface, seed, names)
+    weight: Callable[[SurfacePoints], NDArray] | None = None
     if isinstance(leather.pore_density, str):
-        density = names.scalar(f"clamp({leather.pore_density}, 0, {PORE_PER_MM2}) / {group}")
-        expected = float((density.span()[1] * surface.face_area_mm2).sum()) * group
-    else:
-        density, expected = leather.pore_density / group, leather.pore_density * surface.area_mm2
-    if expected > max_features:
-        raise RecipeError(
-            f"leather.pore_density: {leather.pore_density} per mm^2 on {surface.area_mm2:.0f} mm^2 are up to "
-            f"{expected:.0f} pores, more than the {max_features} features allowed; lower it, or raise --max-features"
-        )
-    middle = scatter(surface, random, density_per_mm2=density)
+        field = names.scalar(leather.pore_density)
+
+        def share(points: SurfacePoints) -> NDArray:
+            return np.clip(field(points) / max(density, 1e-12), 0, 1)
+
+        weight = share
+    if density <= 0:
+        return SurfacePoints.trusted(np.zeros(0, np.int32), np.zeros((0, 3)))
+    group = leather.pore_group
+    middle = scatter(surface, random, density_per_mm2=density / group, weight=weight)
     if group == 1:
         return middle
     numbers = stream(seed, "leather", "pore groups").uniform(len(middle), 2)
