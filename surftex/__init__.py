@@ -7,6 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from surftex import optics
     from surftex.bake.bake import bake
     from surftex.bake.loading import load
     from surftex.errors import (
@@ -45,9 +46,13 @@ _HOME = {
     "geodesic_distance": "surftex.geodesics.distance",
     "load": "surftex.bake.loading",
     "load_features": "surftex.files.features",
+    "optics": "surftex",
     "shapes": "surftex.surface",
 }
 """The module that each public name lives in."""
+
+_ROOMS = ("optics", "shapes")
+"""Those of them that are modules themselves."""
 
 __all__ = [
     "InputError",
@@ -67,6 +72,7 @@ __all__ = [
     "geodesic_distance",
     "load",
     "load_features",
+    "optics",
     "shapes",
 ]
 
@@ -75,7 +81,7 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'surftex' has no attribute {name!r}")
     home = _HOME[name]
-    value = import_module(f"{home}.{name}") if name == "shapes" else getattr(import_module(home), name)
+    value = import_module(f"{home}.{name}") if name in _ROOMS else getattr(import_module(home), name)
     globals()[name] = value
     return value
 

@@ -1,0 +1,257 @@
+"""Filling a table: walk, absorb, sample the BRDF, match a render model; in pieces that can be kept and gone on from."""
+
+import hashlib
+import json
+from collections.abc import Iterator, MutableMapping
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError
+from surftex.kernels.pool import Tick
+from surftex.optics.brdf import Absorbers, Bins, surface_lobe
+from surftex.optics.matching import match
+from surftex.optics.nodes import nodes
+from surftex.optics.paths import Paths, check_engine, crossing_paths, volume_paths
+from surftex.optics.shaders import shader_named
+from surftex.optics.spectra import rgb_weights
+from surftex.optics.subsurface import EDGES_MM, fit_width, rings
+from surftex.optics.table import COLUMNS, SkinTable
+from surftex.optics.tissue import (
+    PARAMETERS,
+    Tissue,
+    check_names,
+    corneum_absorption,
+    dermis_absorption,
+    epidermis_absorption,
+)
+
+NODES = {
+    "pheomelanin": 3,
+    "melanin": 8,
+    "epidermis_cm": 4,
+    "stratum_corneum_cm": 2,
+    "blood": 6,
+    "oxygenation": 3,
+}
+"""Nodes of the shipped table."""
+
+
+@dataclass(frozen=True)
+class Making:
+    """How to fill a table.
+
+    Attributes
+    ----------
+    shader : str
+        Render model to match.
+    engine : str
+        ``"volume"``, or ``"biospec"`` as in the thesis.
+    seed : int
+        Of everything random.
+    paths : int
+        Photons for colour and BRDF, for each wavelength; and for each thickness of the upper layers in ``volume``.
+    beam_paths : int
+        Photons of the thin beam that tells how far light wanders; always by ``volume``. 0 leaves it out.
+    nodes : dict of str to int
+        How many of each parameter.
+    crowded : bool
+        Chebyshev's nodes; else even steps.
+    first_nm, last_nm, step_nm : float
+        Wavelengths.
+    lock_surface : bool
+        Whether shape and reflectance are those of the surface itself, and only the colour is matched.
+    tissue : Tissue
+        What stays fixed.
+    bins : Bins
+        Of the BRDF.
+    """
+
+    shader: str = "ggx-lambert"
+    engine: str = "volume"
+    seed: int = 0
+    paths: int = 20_000
+    beam_paths: int = 10_000
+    nodes: dict[str, int] = field(default_factory=lambda: dict(NODES))
+    crowded: bool = True
+    first_nm: float = 400.0
+    last_nm: float = 700.0
+    step_nm: float = 10.0
+    lock_surface: bool = False
+    tissue: Tissue = field(default_factory=Tissue)
+    bins: Bins = field(default_factory=Bins)
+
+    def __post_init__(self) -> None:
+        check_engine(self.engine)
+        shader_named(self.shader)
+        check_names(self.nodes)
+        object.__setattr__(self, "nodes", {name: self.nodes.get(name, NODES[name]) for name in PARAMETERS})
+        for name, count in self.nodes.items():
+            if not 1 <= count <= 33:
+                raise InputError(f"nodes of {name} are {count}; they go from 1 to 33")
+        for name, least in (("paths", 100), ("beam_paths", 0)):
+            if getattr(self, name) < least:
+                raise InputError(f"{name} is {getattr(self, name)}; it takes at least {least}")
+
+    def settings(self) -> dict[str, Any]:
+        """Write everything out.
+
+        Returns
+        -------
+        settings : dict
+            Plain values, for JSON.
+        """
+        return json.loads(json.dumps(asdict(self)))
+
+    @property
+    def key(self) -> str:
+        """A short name that changes with any of the settings."""
+        return hashlib.sha256(json.dumps(self.settings(), sort_keys=True).encode()).hexdigest()[:16]
+
+    @property
+    def nm(self) -> NDArray[np.float64]:
+        """Wavelengths."""
+        return np.arange(self.first_nm, self.last_nm + self.step_nm / 2, self.step_nm)
+
+
+def make_table(
+    making: Making,
+    *,
+    kept: MutableMapping[str, NDArray[np.float64]] | None = None,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> SkinTable:
+    """Fill a table.
+
+    Parameters
+    ----------
+    making : Making
+        How.
+    kept : mapping, optional
+        Finished pieces by name: those in it are not done again, and new ones go into it.
+    threads : int, optional
+        None means every core; it changes no number.
+    tick : callable, optional
+        Told the finished share; may raise to stop.
+
+    Returns
+    -------
+    table : SkinTable
+        With all settings.
+    """
+    kept = {} if kept is None else kept
+    maker = _Maker(making, threads)
+    epidermis, corneum = maker.axes["epidermis_cm"], maker.axes["stratum_corneum_cm"]
+    together = [corneum] if making.engine == "biospec" else [corneum[i : i + 1] for i in range(len(corneum))]
+    pieces = [(i, j) for i in range(len(epidermis)) for j in range(len(together))]
+    rows = []
+    for done, (i, j) in enumerate(pieces):
+        name = f"{making.key}-{i}-{j}"
+        if name not in kept:
+            for share in maker.fill(epidermis[i], together[j], kept, name):
+                if tick:
+                    tick((done + share) / len(pieces))
+        rows.append(kept[name])
+        if tick:
+            tick((done + 1) / len(pieces))
+    columns = [
+        np.concatenate(rows[i : i + len(together)], axis=2) for i in range(0, len(rows), len(together))
+    ]
+    return SkinTable(np.stack(columns, axis=2), making.settings())
+
+
+class _Maker:
+    """What the pieces of a table share."""
+
+    def __init__(self, making: Making, threads: int | None) -> None:
+        self.making, self.threads = making, threads
+        self.axes = {name: nodes(name, making.nodes[name], crowded=making.crowded) for name in PARAMETERS}
+        self.weights = rgb_weights(making.nm)
+        self.crossed: dict[float, Paths] = {}
+
+    @cached_property
+    def surface(self) -> NDArray[np.float64]:
+        making = self.making
+        return surface_lobe(making.tissue, making.bins, seed=making.seed, threads=self.threads)
+
+    def absorbers(self, nm: float, corneum_cm: NDArray, epidermis_cm: float, thick: bool) -> Absorbers:
+        """All combinations at a wavelength; `thick`: per thickness instead of per cm."""
+        tissue, axes, wave = self.making.tissue, self.axes, np.array([nm])
+        pheomelanin, melanin = np.meshgrid(axes["pheomelanin"], axes["melanin"], indexing="ij")
+        blood, oxygen = np.meshgrid(axes["blood"], axes["oxygenation"], indexing="ij")
+        pigment = epidermis_absorption(tissue, wave, melanin, pheomelanin).ravel()
+        papillary = dermis_absorption(tissue, wave, blood, oxygen).ravel()
+        reticular = dermis_absorption(tissue, wave, tissue.reticular_blood * blood, oxygen).ravel()
+        corneum = np.repeat(corneum_absorption(tissue, wave), len(corneum_cm))
+        if thick:
+            return Absorbers(
+                corneum * corneum_cm,
+                pigment * epidermis_cm,
+                papillary * tissue.papillary_cm,
+                reticular * tissue.reticular_cm,
+            )
+        return Absorbers(corneum, pigment, papillary, reticular)
+
+    def walk(self, nm: float, corneum_cm: NDArray, epidermis_cm: float) -> Paths:
+        making = self.making
+        if making.engine == "biospec":
+            if nm not in self.crossed:
+                self.crossed[nm] = crossing_paths(
+                    making.tissue, nm, making.paths, seed=making.seed, threads=self.threads
+                )
+            return self.crossed[nm]
+        return self.beam(nm, making.paths, float(corneum_cm[0]), epidermis_cm, cosine=0.0)
+
+    def beam(self, nm: float, count: int, corneum_cm: float, epidermis_cm: float, cosine: float) -> Paths:
+        making = self.making
+        return volume_paths(
+            making.tissue, nm, count, stratum_corneum_cm=corneum_cm, epidermis_cm=epidermis_cm,
+            seed=making.seed, cosine=cosine, threads=self.threads,
+        )  # fmt: skip
+
+    def fill(
+        self, epidermis_cm: float, corneum_cm: NDArray, kept: MutableMapping[str, NDArray], name: str
+    ) -> Iterator[float]:
+        """Do one piece, telling its finished share; it is kept when whole: (p, m, s, b, o, columns)."""
+        making, bins, thick = self.making, self.making.bins, self.making.engine == "biospec"
+        p, m, b, o = (len(self.axes[each]) for each in ("pheomelanin", "melanin", "blood", "oxygenation"))
+        e, s, d = p * m, len(corneum_cm), b * o
+        total = np.zeros((bins.count, 3, e, s * d))
+        wide = np.zeros((len(EDGES_MM) + 1, 3, e, s * d))
+        for k, nm in enumerate(making.nm):
+            yield 0.9 * k / len(making.nm)
+            paths = self.walk(nm, corneum_cm, epidermis_cm)
+            absorbers = self.absorbers(nm, corneum_cm, epidermis_cm, thick)
+            step = bins.incident(paths.cosine)
+            weight = paths.weight / np.bincount(step, minlength=bins.zenith)[step] / bins.solid_angle
+            where = bins.of(paths.cosine, paths.leaving)
+            absorbers.sums(paths, weight, where, self.weights[k], total, threads=self.threads)
+            if making.beam_paths:
+                for r, thickness in enumerate(corneum_cm):
+                    beam = self.beam(nm, making.beam_paths, float(thickness), epidermis_cm, cosine=1.0)
+                    alone = self.absorbers(nm, corneum_cm[r : r + 1], epidermis_cm, thick=False)
+                    part = np.ascontiguousarray(wide[..., r * d : (r + 1) * d])
+                    alone.sums(
+                        beam, beam.weight, rings(beam.wander_cm), self.weights[k], part, threads=self.threads
+                    )
+                    wide[..., r * d : (r + 1) * d] = part
+        yield 0.9
+        brdf = bins.symmetric(total.reshape(bins.count, 3, -1).transpose(2, 1, 0)) + self.surface
+        values = np.zeros((e * s * d, len(COLUMNS)))
+        values[:, :5] = self.matched(brdf)
+        if making.beam_paths:
+            values[:, 5:] = fit_width(wide.reshape(len(wide), 3, -1).transpose(2, 1, 0))[0]
+        kept[name] = values.reshape(p, m, s, b, o, len(COLUMNS))
+
+    def matched(self, brdf: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Colour, reflectance and roughness of BRDFs (n, 3, bins): (n, 5)."""
+        making = self.making
+        shader, index, shape, level = shader_named(making.shader), making.tissue.index[0], None, None
+        if making.lock_surface:
+            shape, level = shader.shape_of(making.tissue.fold), ((index - 1) / (index + 1)) ** 2
+        found = match(shader, making.bins, brdf, shape=shape, reflectance=level)
+        color = shader.color(found.diffuse, found.reflectance)
+        return np.column_stack([color, found.reflectance, shader.roughness(found.shape)])

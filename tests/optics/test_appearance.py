@@ -1,0 +1,90 @@
+"""The look of skin by its biology: bounds, order of colours, what is refused."""
+
+import numpy as np
+import pytest
+
+import surftex as sx
+from surftex.errors import InputError
+from surftex.optics import lookup, skin_color
+from surftex.optics.tissue import PARAMETERS
+from surftex.randomness import stream
+
+
+def biology(count, seed=0):
+    numbers = stream(seed, "biology").uniform(count, 6).T
+    return {
+        name: each.low + share * (each.high - each.low)
+        for share, (name, each) in zip(numbers, PARAMETERS.items(), strict=True)
+    }
+
+
+def test_every_look_is_in_range():
+    skin = lookup(biology(5000))
+    assert skin.clamped == {}
+    for values in (skin.base_color, skin.roughness, skin.specular, skin.subsurface_weight):
+        assert np.isfinite(values).all()
+        assert values.min() >= 0
+        assert values.max() <= 1
+    assert skin.subsurface_radius_mm.min() > 0.01
+    assert skin.subsurface_radius_mm.max() < 20
+
+
+def test_more_melanin_darkens_and_more_blood_reddens():
+    melanin = lookup({"melanin": np.geomspace(0.002, 0.45, 50)}).base_color
+    assert (np.diff(melanin, axis=0) < 0).all()
+    blood = lookup({"blood": np.geomspace(0.002, 0.15, 50)}).base_color
+    assert (np.diff(blood[:, 1] / blood[:, 0]) < 0).all()
+    pale, blue = lookup({"oxygenation": [1.0, 0.3], "blood": 0.05}).base_color
+    assert pale[0] > blue[0]
+
+
+def test_red_light_wanders_farthest():
+    radius = lookup({"melanin": 0.02}).subsurface_radius_mm[0]
+    assert radius[0] > radius[1] > radius[2]
+
+
+def test_what_leaves_its_range_is_moved_and_counted():
+    skin = lookup({"melanin": [0.0, 0.02, 0.9, 0.5], "blood": 0.012})
+    assert skin.clamped == {"melanin": 3}
+    edge = lookup({"melanin": [0.002, 0.02, 0.45, 0.45]})
+    assert np.array_equal(skin.base_color, edge.base_color)
+
+
+def test_threads_change_no_byte():
+    parameters = biology(200_000)
+    one, two = (lookup(parameters, threads=threads) for threads in (1, 2))
+    assert one.base_color.tobytes() == two.base_color.tobytes()
+
+
+def test_skin_color_is_the_look_up():
+    color = sx.optics.skin_color(melanin=0.1, blood=0.02)
+    assert np.allclose(color, lookup({"melanin": [0.1], "blood": [0.02]}).base_color[0])
+    assert skin_color().shape == (3,)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"melanine": 0.1}, "skin has no parameter 'melanine'; known are pheomelanin, melanin"),
+        ({"melanin": 0.9}, "melanin is 0.9; it goes from 0.002 to 0.45"),
+        ({"blood": np.nan}, "blood is nan"),
+        ({"blood": "much"}, "blood is 'much'; it takes one number"),
+    ],
+)
+def test_a_wrong_colour_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message.replace("(", r"\(")):
+        skin_color(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"melanine": 0.1}, "skin has no parameter"),
+        ({"melanin": [0.1, np.nan]}, "melanin holds 1 values that are not finite"),
+        ({"melanin": [0.1, 0.2], "blood": [0.1, 0.1, 0.1]}, "blood holds 3 samples where others hold 2"),
+        ({"melanin": [[0.1]]}, "melanin has 2 axes"),
+    ],
+)
+def test_a_wrong_look_up_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
+        lookup(wrong)
