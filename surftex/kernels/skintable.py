@@ -13,8 +13,9 @@ _WIDTH = 8
 def read_table(grid, size, bounds, value, out, beyond):
     """Look up n samples.
 
-    grid (k,) float32: rows of eight numbers, the first and the last three as logarithms; last parameter fastest; size (6,) int64: steps of each; bounds
-    (6, 3) float32: low, high, and 1 where the steps are even, else their logarithms are; value (6, n) float32
+    grid (k,) float32: rows of eight numbers, the first and the last three as logarithms; last parameter fastest;
+    size (6,) int64: steps of each; bounds (6, 3) float32: low, high, and 1 where the steps are even, else their
+    logarithms are; value (6, n) float32
     -> out (n, 8) float32; adds to beyond (6,) int64 how many samples left the range.
     """
     low, scale = np.zeros(6, np.float32), np.zeros(6, np.float32)
