@@ -3,6 +3,7 @@
 from typing import Any
 
 from surftex.kernels.pool import thread_count
+from surftex.recipe.model import Recipe
 from surftex.surface.surface import Surface
 
 COVERAGE = 0.62
@@ -33,7 +34,6 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
         ``material``, ``cells``, ``max_features``, ``threads``, and ``pages``: for each ``resolution``
         ``texels_per_mm``, ``texels_per_cell``, ``seconds`` of wall time, ``memory_mb``.
     """
-    from surftex.bake.pages import TILE_TEXELS
     from surftex.materials.leather.model import Leather
     from surftex.recipe.model import BakeSettings
 
@@ -41,21 +41,61 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
     cells = max(1, round(_CELLS * surface.area_mm2 / size_mm**2))
     most = BakeSettings().max_features
     threads, faces = thread_count(None), len(surface.faces)
-    pages = []
-    for side in (1024, 2048, 4096, 8192):
-        density = side * (COVERAGE / surface.area_mm2) ** 0.5
-        texels = side * side
-        work = {"face": faces, "cell": cells, "texel": texels}
-        cpu_s = sum(_CPU_S_PER[key] * count for key, count in work.items())
-        held = sum(_BYTES_PER[key] * count for key, count in work.items())
-        held += _BYTES_PER["tile texel"] * min(texels, TILE_TEXELS)
-        pages.append(
-            {
-                "resolution": side,
-                "texels_per_mm": round(density, 4),
-                "texels_per_cell": round(density * size_mm, 3),
-                "seconds": round(_START_S + cpu_s / (0.8 * threads + 0.2), 1),
-                "memory_mb": round(_START_MB + held / 1e6),
-            }
-        )
+    pages = [
+        {
+            "resolution": side,
+            "texels_per_mm": round(_density(surface, side), 4),
+            "texels_per_cell": round(_density(surface, side) * size_mm, 3),
+            "seconds": round(_START_S + _cpu_s(faces, cells, side) / (0.8 * threads + 0.2), 1),
+            "memory_mb": _memory_mb(faces, cells, side),
+        }
+        for side in (1024, 2048, 4096, 8192)
+    ]
     return {"material": material, "cells": cells, "threads": threads, "max_features": most, "pages": pages}
+
+
+def recipe_cost(recipe: Recipe) -> dict[str, float]:
+    """Estimate the cost of a recipe; its mesh is read for it.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        With the path of its mesh.
+
+    Returns
+    -------
+    cost : dict
+        ``faces``, ``cells``, ``seconds`` of CPU time, ``memory_mb``.
+
+    Raises
+    ------
+    MeshFileError
+        If the mesh cannot be read.
+    """
+    from surftex.files.meshes import load
+
+    mesh, side = recipe.mesh, recipe.bake.resolution
+    surface = load(mesh.path or "", units=mesh.units, size=mesh.size, part=mesh.part)
+    sizes = [getattr(layer.material, "cell_size", None) for layer in recipe.layer]
+    cells = sum(
+        max(1, round(_CELLS * surface.area_mm2 / size**2)) for size in sizes if isinstance(size, (int, float))
+    )
+    faces = len(surface.faces)
+    seconds = round(_START_S + _cpu_s(faces, cells, side), 1)
+    return {"faces": faces, "cells": cells, "seconds": seconds, "memory_mb": _memory_mb(faces, cells, side)}
+
+
+def _density(surface: Surface, side: int) -> float:
+    return side * (COVERAGE / surface.area_mm2) ** 0.5
+
+
+def _cpu_s(faces: int, cells: int, side: int) -> float:
+    work = {"face": faces, "cell": cells, "texel": side * side}
+    return sum(_CPU_S_PER[key] * count for key, count in work.items())
+
+
+def _memory_mb(faces: int, cells: int, side: int) -> int:
+    from surftex.bake.pages import TILE_TEXELS
+
+    work = {"face": faces, "cell": cells, "texel": side * side, "tile texel": min(side * side, TILE_TEXELS)}
+    return round(_START_MB + sum(_BYTES_PER[key] * count for key, count in work.items()) / 1e6)

@@ -79,8 +79,7 @@ def make_recipe(options: Namespace) -> "Recipe":
     RecipeError
         If anything is missing, doubled or wrong.
     """
-    from surftex.recipe.mistakes import checked_recipe
-    from surftex.recipe.model import MeshSettings, Recipe
+    from surftex.recipe.compose import composed
     from surftex.recipe.read import load_recipe, recipe_for
 
     own = options.subject.lower().endswith(".toml")
@@ -95,8 +94,9 @@ def make_recipe(options: Namespace) -> "Recipe":
     if own and recipe.mesh.path is None:
         raise RecipeError(f"{options.subject}: names no mesh; add path under [mesh], or write "
                           f"surftex bake MESH --material {options.subject}")  # fmt: skip
-    recipe = Recipe.of(
-        recipe,
+    scale = {key: getattr(options, key) for key in ("units", "size", "part")}
+    return composed(
+        recipe, None if own else options.subject, scale,
         resolution=options.resolution,
         seed=options.seed,
         maps=options.maps,
@@ -105,18 +105,7 @@ def make_recipe(options: Namespace) -> "Recipe":
         max_features=options.max_features,
         displaced=options.displaced or options.displaced_format is not None or None,
         displaced_format=options.displaced_format,
-    )
-    mesh = recipe.mesh
-    if not own:
-        mesh = MeshSettings() if mesh.path is not None else mesh
-        mesh = mesh.model_copy(update={"path": options.subject})
-    given = {
-        key: getattr(options, key) for key in ("units", "size", "part") if getattr(options, key) is not None
-    }
-    values: dict[str, Any] = dict(recipe)
-    values["fields"] = values.pop("fields_")
-    values["mesh"] = {**mesh.model_dump(), **given}
-    return checked_recipe(values)
+    )  # fmt: skip
 
 
 def _stem(recipe: "Recipe") -> str:

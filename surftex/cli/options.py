@@ -99,6 +99,11 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     _bake(
         command("bake", "Bake a material onto a mesh: maps, a GLB that shows them, a report.", epilog=_CODES)
     )
+    _batch(
+        command(
+            "batch", "Bake many meshes with many materials; what is done is not done again.", epilog=_CODES
+        )
+    )
     _inspect(command("inspect", "Say what a mesh is, what is wrong with it, and what a bake would cost."))
     presets = command("presets", "List the presets, or print one as a recipe to start from.")
     presets.add_argument("name", nargs="?", metavar="NAME", help="print this preset as TOML")
@@ -158,6 +163,34 @@ def _bake(parser: Parser) -> None:
         "--allow-outside", action="store_true", help="let a recipe name files outside its folder"
     )
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier bake")
+    parser.add_argument("--json", action="store_true", help="print the report on stdout")
+
+
+def _batch(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="JOBS.toml", help="meshes, materials, seeds, and single jobs")
+    parser.add_argument(
+        "--workers", type=_whole, metavar="N", help="jobs side by side (default: one per core)"
+    )
+    parser.add_argument(
+        "--scheduler", metavar="tcp://HOST:PORT", help="let the workers of a Dask cluster do the jobs"
+    )
+    parser.add_argument(
+        "--shared-files", action="store_true", help="the cluster's workers see this machine's folders"
+    )
+    parser.add_argument(
+        "--resume", action=argparse.BooleanOptionalAction, default=True,
+        help="leave alone what an earlier run has done (default: --resume)",
+    )  # fmt: skip
+    parser.add_argument("--keep-going", action="store_true", help="do the other jobs when one fails")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="print the plan, with estimates, and do nothing"
+    )
+    parser.add_argument(
+        "--allow-outside",
+        action="store_true",
+        help="let the batch and its recipes name files outside their folder",
+    )
+    parser.add_argument("--overwrite", action="store_true", help="write into folders that no batch made")
     parser.add_argument("--json", action="store_true", help="print the report on stdout")
 
 

@@ -78,6 +78,44 @@ def read_gltf(data: bytes, where: str, folder: Path) -> Polygons:
     return unfolded(draft)
 
 
+def buffer_files(data: bytes, where: str, folder: Path) -> list[Path]:
+    """List the buffers that lie beside a .gltf.
+
+    Parameters
+    ----------
+    data : bytes
+        The file.
+    where : str
+        Its name for messages.
+    folder : Path
+        Where its buffers may lie.
+
+    Returns
+    -------
+    paths : list of Path
+        None that leaves the folder.
+
+    Raises
+    ------
+    MeshFileError
+        If the JSON does not parse, or a buffer lies elsewhere.
+    """
+    try:
+        document = json.loads(data)
+    except (ValueError, RecursionError):
+        return []  # `read_gltf` says what is wrong
+    if not isinstance(document, dict):
+        return []
+    draft = Document(document, [], where)
+    buffers = [draft.item("buffers", index) for index in range(len(draft.listed("buffers")))]
+    addresses = [(index, buffer.get("uri")) for index, buffer in enumerate(buffers)]
+    return [
+        _beside(draft, uri, f"buffers[{index}]", folder)
+        for index, uri in addresses
+        if isinstance(uri, str) and not uri.startswith("data:")
+    ]
+
+
 def _parted(data: bytes, where: str) -> tuple[bytes, bytes | None]:
     """JSON and binary chunk of a GLB."""
     if len(data) < 20:

@@ -12,7 +12,7 @@ import numpy as np
 
 from surftex.errors import MeshFileError, SurfaceError
 from surftex.files.building import surface_of
-from surftex.files.gltf import read_gltf
+from surftex.files.gltf import buffer_files, read_gltf
 from surftex.files.obj import read_obj
 from surftex.files.off import read_off
 from surftex.files.ply import read_ply
@@ -80,6 +80,30 @@ def load(
         raise MeshFileError(f"{shown}: {problem}") from None
     except MemoryError:
         raise MeshFileError(f"{shown}: needs more memory than there is; decimate it first") from None
+
+
+def mesh_files(path: str | os.PathLike[str]) -> list[Path]:
+    """List the files that make a mesh.
+
+    Parameters
+    ----------
+    path : path
+        Of the mesh file.
+
+    Returns
+    -------
+    paths : list of Path
+        The file itself, then the buffers that a .gltf has beside it.
+
+    Raises
+    ------
+    MeshFileError
+        If a .gltf cannot be read, or names a buffer outside its folder.
+    """
+    own = Path(path)
+    if own.suffix.lower() != ".gltf":
+        return [own]
+    return [own, *buffer_files(read_bytes(own), printable(os.fspath(path)), own.parent)]
 
 
 def read_polygons(data: bytes, suffix: str, where: str, folder: Path) -> Polygons:

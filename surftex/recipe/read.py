@@ -14,6 +14,9 @@ from surftex.recipe.model import Recipe
 
 _LARGEST_BYTES = 4 * 2**20
 
+_FILE_KEYS = ("image", "strokes")
+"""Keys of a field that name a file."""
+
 
 def load_recipe(path: str | Path, *, allow_outside: bool = False, changes: Iterable[str] = ()) -> Recipe:
     """Read a recipe from a file.
@@ -39,7 +42,7 @@ def load_recipe(path: str | Path, *, allow_outside: bool = False, changes: Itera
     """
     file = Path(path)
     return recipe_from_text(
-        _text(file), name=str(file), folder=file.parent, allow_outside=allow_outside, changes=changes
+        read_text(file), name=str(file), folder=file.parent, allow_outside=allow_outside, changes=changes
     )
 
 
@@ -157,22 +160,41 @@ def recipe_for(material: str | Path, *, allow_outside: bool = False, changes: It
     return recipe_from_preset(str(material), changes=changes)
 
 
-def _text(file: Path) -> str:
+def read_text(file: Path, *, what: str = "recipe") -> str:
+    """Read the text of a recipe or a batch.
+
+    Parameters
+    ----------
+    file : Path
+        UTF-8, at most 4 MiB.
+    what : str
+        What messages call it.
+
+    Returns
+    -------
+    text : str
+        With plain line ends.
+
+    Raises
+    ------
+    RecipeError
+        If it cannot be read, is too large, or is no text.
+    """
     try:
         if not file.is_file():
-            what = "is no file" if file.exists() else "does not exist"
-            raise RecipeError(f"the recipe {str(file)!r} {what}")
+            problem = "is no file" if file.exists() else "does not exist"
+            raise RecipeError(f"the {what} {str(file)!r} {problem}")
         if file.stat().st_size > _LARGEST_BYTES:
-            raise RecipeError(f"the recipe {str(file)!r} has {file.stat().st_size} bytes; is it a recipe?")
+            raise RecipeError(f"the {what} {str(file)!r} has {file.stat().st_size} bytes; is it a {what}?")
         return file.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as problem:
         line = problem.object[: problem.start].count(b"\n") + 1
-        raise RecipeError(f"{file}:{line}: not UTF-8 text; save the recipe as UTF-8") from None
+        raise RecipeError(f"{file}:{line}: not UTF-8 text; save the {what} as UTF-8") from None
     except (OSError, ValueError) as problem:
         if isinstance(problem, RecipeError):
             raise
         reason = getattr(problem, "strerror", None) or problem
-        raise RecipeError(f"the recipe {str(file)!r} cannot be read: {reason}") from None
+        raise RecipeError(f"the {what} {str(file)!r} cannot be read: {reason}") from None
 
 
 def _with_paths(recipe: Recipe, folder: Path, where: Any, *, allow_outside: bool) -> Recipe:
@@ -193,8 +215,27 @@ def _with_paths(recipe: Recipe, folder: Path, where: Any, *, allow_outside: bool
     if mesh.path is not None:
         mesh = mesh.model_copy(update={"path": inside(mesh.path, ("mesh", "path"))})
     for name, entry in fields.items():
-        for key in ("image", "strokes"):
+        for key in _FILE_KEYS:
             if hasattr(entry, key):
                 place = inside(getattr(entry, key), ("fields", name, key))
                 fields[name] = entry.model_copy(update={key: place})  # type: ignore[union-attr]
     return recipe.model_copy(update={"mesh": mesh, "fields_": fields})
+
+
+def recipe_files(recipe: Recipe) -> list[Path]:
+    """List the files that a recipe's fields name.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        From `load_recipe`.
+
+    Returns
+    -------
+    paths : list of Path
+        In the order of the fields; the mesh is not among them.
+    """
+    found: dict[Path, None] = {}
+    for entry in recipe.fields_.values():
+        found.update((Path(getattr(entry, key)), None) for key in _FILE_KEYS if hasattr(entry, key))
+    return list(found)

@@ -1,0 +1,259 @@
+"""Where the jobs of a batch run: processes on this machine, or the workers of a Dask cluster.
+
+Both are a `concurrent.futures.Executor`; what differs is how they are started, and what a death looks like.
+"""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from typing import Any, Protocol
+
+from surftex.errors import InputError, WorkError
+from surftex.kernels.pool import thread_count
+
+
+class Workers(Protocol):
+    """Processes that take jobs.
+
+    Attributes
+    ----------
+    count : int
+        Jobs that run side by side.
+    threads : int
+        Of each job.
+    """
+
+    count: int
+    threads: int
+
+    def executor(self) -> Executor:
+        """Lend the executor; a new one after `renew`."""
+        ...
+
+    def renew(self, broken: Executor) -> None:
+        """Start anew after a worker has died and taken its executor with it."""
+        ...
+
+    def abandon(self) -> None:
+        """End the jobs that are being done, at once."""
+        ...
+
+    def lost(self) -> str | None:
+        """Say why no job can be handed out any more; None while all is well."""
+        ...
+
+
+class LocalWorkers:
+    """Processes on this machine; they end with the one that started them, however it ends.
+
+    Parameters
+    ----------
+    count : int
+        Processes.
+    threads : int
+        Of each job.
+    starting : callable, optional
+        Called once, before the first process is started.
+    """
+
+    def __init__(self, count: int, threads: int, starting: Callable[[], None] | None = None) -> None:
+        self.count, self.threads, self._starting = count, threads, starting
+        self._executor: ProcessPoolExecutor | None = None
+        self._leash: Connection | None = None
+
+    def executor(self) -> Executor:
+        """Start the processes if they are not there.
+
+        Returns
+        -------
+        executor : Executor
+            Of spawned processes.
+        """
+        if self._executor is None:
+            if self._starting is not None:
+                self._starting()
+                self._starting = None
+            spawning = multiprocessing.get_context("spawn")
+            held, self._leash = spawning.Pipe(duplex=False)
+            self._executor = ProcessPoolExecutor(self.count, spawning, _attend, (held,))
+        return self._executor
+
+    def renew(self, broken: Executor) -> None:
+        """Let go of a broken pool; the next `executor` starts another.
+
+        Parameters
+        ----------
+        broken : Executor
+            The one that a worker took with it; nothing happens if it was let go of before.
+        """
+        if broken is self._executor:
+            self.abandon()
+
+    def lost(self) -> str | None:
+        """Say that all is well: processes of this machine can always be started again.
+
+        Returns
+        -------
+        reason : None
+            Always.
+        """
+        return None
+
+    def abandon(self) -> None:
+        """End all processes now, whatever they are at."""
+        if self._leash is not None:
+            self._leash.close()
+            self._leash = None
+        if self._executor is not None:
+            self._executor.shutdown(wait=True, cancel_futures=True)
+            self._executor = None
+
+
+class ClusterWorkers:
+    """Workers of a Dask cluster.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected.
+    address : str
+        Of the scheduler, for messages.
+    count : int
+        Jobs that run side by side.
+    """
+
+    def __init__(self, client: Any, address: str, count: int) -> None:
+        self.client, self.address, self.count, self.threads = client, address, count, 1
+        self._executor: Executor = client.get_executor(pure=False)
+
+    def executor(self) -> Executor:
+        """Lend the client's executor.
+
+        Returns
+        -------
+        executor : Executor
+            Jobs of a worker that dies run again elsewhere.
+        """
+        return self._executor
+
+    def renew(self, broken: Executor) -> None:
+        """Do nothing: a cluster mends itself.
+
+        Parameters
+        ----------
+        broken : Executor
+            Not used.
+        """
+
+    def abandon(self) -> None:
+        """Cancel what has not begun; what runs on workers is thrown away when it ends."""
+        self._executor.shutdown(wait=False)
+
+    def lost(self) -> str | None:
+        """Look whether the scheduler is there.
+
+        Returns
+        -------
+        reason : str or None
+            One line.
+        """
+        if self.client.status == "running":
+            return None
+        return f"the scheduler at {self.address} is gone"
+
+
+@contextmanager
+def local_workers(
+    count: int | None = None, starting: Callable[[], None] | None = None
+) -> Iterator[LocalWorkers]:
+    """Lend processes on this machine.
+
+    Parameters
+    ----------
+    count : int, optional
+        One per core without it.
+    starting : callable, optional
+        Called once, before the first process is started.
+
+    Yields
+    ------
+    workers : LocalWorkers
+        The cores are shared out among them. They are ended with the block.
+
+    Raises
+    ------
+    InputError
+        If the count is not positive.
+    """
+    cores = thread_count(None)
+    if count is not None and count < 1:
+        raise InputError(f"workers is {count}; it takes at least 1")
+    number = count or cores
+    workers = LocalWorkers(number, max(1, cores // number), starting)
+    try:
+        yield workers
+    finally:
+        workers.abandon()
+
+
+@contextmanager
+def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterWorkers]:
+    """Lend the workers of a Dask cluster.
+
+    Parameters
+    ----------
+    address : str
+        Of its scheduler, such as ``tcp://host:8786``.
+    count : int, optional
+        Jobs that run side by side; as many as the cluster has threads without it.
+
+    Yields
+    ------
+    workers : ClusterWorkers
+        They go on when the block ends.
+
+    Raises
+    ------
+    InputError
+        If Dask is not installed, or the address is none.
+    WorkError
+        If no scheduler or no worker answers.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError("--scheduler needs Dask; install it with pip install 'surftex[cluster]'") from None
+    try:
+        client = Client(address, timeout=10, set_as_default=False)
+    except (OSError, TimeoutError):
+        raise WorkError(f"no scheduler answers at {address}; start one with dask scheduler") from None
+    except ValueError as problem:
+        raise InputError(f"{address!r} is no address of a scheduler: {problem}") from None
+    try:
+        threads = sum(client.nthreads().values())
+        if not threads:
+            raise WorkError(
+                f"the scheduler at {address} has no workers; start some with dask worker {address}"
+            )
+        yield ClusterWorkers(client, address, count or threads)
+    finally:
+        client.close(timeout=5)
+
+
+def _attend(held: Connection) -> None:
+    """Be a worker: leave interruptions to the driver, and end when it lets go of its end of the pipe."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+    def watch() -> None:
+        try:
+            held.poll(None)
+        finally:
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True, name="surftex-leash").start()

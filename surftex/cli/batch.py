@@ -1,0 +1,146 @@
+"""``surftex batch``: many bakes from one file."""
+
+import sys
+from argparse import Namespace
+from typing import Any
+
+from surftex.bake.batch import BatchResult, JobResult
+from surftex.cli.say import note, out
+from surftex.errors import RecipeError, SurftexError
+from surftex.recipe.batch import Batch, load_batch
+
+
+def run(options: Namespace) -> None:
+    """Do the jobs of a batch, a line each, and a summary.
+
+    Parameters
+    ----------
+    options : Namespace
+        From the command line.
+
+    Raises
+    ------
+    SurftexError
+        If the batch itself is wrong, or jobs have failed.
+    """
+    if options.shared_files and not options.scheduler:
+        raise RecipeError("--shared-files says something of a cluster; add --scheduler, or leave it out")
+    batch = load_batch(options.subject, allow_outside=options.allow_outside)
+    if options.dry_run:
+        _plan(batch, options)
+        return
+
+    from surftex.bake.batch import run_batch
+    from surftex.bake.executors import cluster_workers, local_workers
+
+    lending: Any = (
+        cluster_workers(options.scheduler, options.workers)
+        if options.scheduler
+        else local_workers(options.workers, starting=lambda: _warm(options))
+    )
+    with lending as workers, _Watch(options, len(batch.jobs)) as watch:
+        result = run_batch(
+            batch, workers, resume=options.resume, keep_going=options.keep_going, overwrite=options.overwrite,
+            by_bytes=bool(options.scheduler) and not options.shared_files, told=watch,
+        )  # fmt: skip
+    _sum_up(batch, result, options)
+
+
+def _warm(options: Namespace) -> None:
+    """Compile kernels before there are several workers that would."""
+    from surftex.kernels import store
+
+    if store.is_warm():
+        return
+    if not options.quiet:
+        note("compiling kernels, once; this takes about half a minute")
+    from surftex.bake.warming import warm
+
+    warm()
+    store.mark_warm()
+
+
+def _sum_up(batch: Batch, result: BatchResult, options: Namespace) -> None:
+    report = batch.out / "batch-report.json"
+    if options.json:
+        out(report.read_text("utf-8").rstrip())
+    elif not options.quiet:
+        counts = ", ".join(
+            f"{count} {state}"
+            for state in ("done", "kept", "failed", "not started")
+            if (count := result.count(state))
+        )
+        out(f"{batch.out}: {len(result.results)} jobs: {counts}; {result.wall_s:.1f} s")
+    if result.exit_code:
+        raise _JobsFailedError(result, report)
+
+
+class _JobsFailedError(SurftexError):
+    """Some jobs have failed; each had its line already."""
+
+    def __init__(self, result: BatchResult, report: Any) -> None:
+        count = result.count("failed")
+        super().__init__(f"{count} of {len(result.results)} jobs failed; {report} has the reasons")
+        self.exit_code = result.exit_code
+
+
+class _Watch:
+    """A line for each job that has ended, over a bar on a terminal."""
+
+    def __init__(self, options: Namespace, total: int) -> None:
+        self.quiet, self.bar, self.task = options.quiet, None, None
+        if sys.stderr is not None and sys.stderr.isatty() and not options.quiet:
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+            columns = TextColumn("baking"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
+            self.bar: Any = Progress(*columns, console=Console(stderr=True), transient=True)
+            self.task = self.bar.add_task("baking", total=total)
+
+    def __enter__(self) -> "_Watch":
+        if self.bar is not None:
+            self.bar.start()
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+
+    def __call__(self, result: JobResult, ended: int, total: int) -> None:
+        if self.bar is not None:
+            self.bar.update(self.task, completed=ended)
+        if result.state == "failed" or not self.quiet:
+            what = (
+                f"{result.wall_s:.1f} s"
+                if result.state == "done"
+                else result.reason or "as an earlier run left it"
+            )
+            note(f"[{ended}/{total}] {result.name}: {result.state}: {what}")
+
+
+def _plan(batch: Batch, options: Namespace) -> None:
+    """Print what would be done; meshes that cannot be read are named, and nothing is written."""
+    import json
+
+    from surftex.bake.cost import recipe_cost
+
+    rows: list[dict[str, Any]] = []
+    for job in batch.jobs:
+        row: dict[str, Any] = {
+            "name": job.name,
+            "mesh": job.recipe.mesh.path,
+            "resolution": job.recipe.bake.resolution,
+        }
+        try:
+            rows.append(row | recipe_cost(job.recipe))
+        except SurftexError as problem:
+            rows.append(row | {"problem": str(problem)})
+    if options.json:
+        out(json.dumps({"out": str(batch.out), "jobs": rows}, indent=1, ensure_ascii=False))
+        return
+    for row in rows:
+        what = row.get("problem") or f"about {row['seconds']:.0f} CPU-s, {row['memory_mb']} MB"
+        out(f"{row['name']}: {row['mesh']}, {row['resolution']}^2: {what}")
+    seconds = sum(row.get("seconds", 0) for row in rows)
+    bad = sum("problem" in row for row in rows)
+    out(f"{len(rows)} jobs, about {seconds:.0f} CPU-s" + (f"; {bad} of them would fail" if bad else ""))

@@ -1,0 +1,317 @@
+"""Batches: done once, whole or not there, whoever dies on the way."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from surftex.bake.batch import run_batch
+from surftex.bake.jobs import LOCKS, clear_leftovers, job_lock
+from surftex.recipe.batch import load_batch
+
+JOBS = """
+surftex = 1
+meshes = ["one.obj", "two.obj"]
+materials = ["calf"]
+seeds = [1, 2]
+resolution = 64
+units = "mm"
+maps = ["height"]
+set = ["cell_size=4 mm", "wrinkle_density=0", "pore_density=0", "pocket_depth=0"]
+"""
+
+
+class Here:
+    """Workers that are threads of this process: quick to start."""
+
+    count, threads = 2, 1
+
+    def __init__(self):
+        self.pool = ThreadPoolExecutor(2)
+
+    def executor(self):
+        return self.pool
+
+    def renew(self, broken):
+        raise AssertionError("threads do not die")
+
+    def abandon(self):
+        self.pool.shutdown(wait=True, cancel_futures=True)
+
+    def lost(self):
+        return None
+
+
+def ball_text(radius):
+    from surftex.surface.shapes import sphere
+
+    ball = sphere(radius, subdivisions=2)
+    rows = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in ball.vertices]
+    return "\n".join(rows + ["f " + " ".join(str(v + 1) for v in face) for face in ball.faces])
+
+
+@pytest.fixture
+def studio(tmp_path):
+    (tmp_path / "one.obj").write_text(ball_text(12.0))
+    (tmp_path / "two.obj").write_text(ball_text(15.0))
+    (tmp_path / "jobs.toml").write_text(JOBS)
+    return tmp_path
+
+
+def done_in(studio, **options):
+    workers = Here()
+    try:
+        return run_batch(load_batch(studio / "jobs.toml"), workers, **options)
+    finally:
+        workers.abandon()
+
+
+def outputs(studio):
+    found = {}
+    for folder in sorted((studio / "out").iterdir()):
+        if folder.is_dir() and not folder.name.startswith("."):
+            found[folder.name] = json.loads((folder / "report.json").read_text())["outputs"]
+    return found
+
+
+def test_what_is_done_is_kept_and_what_is_damaged_or_changed_is_done_again(studio):
+    first = done_in(studio)
+    assert [result.state for result in first.results] == ["done"] * 4
+    assert first.exit_code == 0
+    whole = outputs(studio)
+    assert list(whole) == ["one-calf-1", "one-calf-2", "two-calf-1", "two-calf-2"]
+    report = json.loads((studio / "out" / "batch-report.json").read_text())
+    assert report["states"]["done"] == 4
+    assert [job["folder"] for job in report["jobs"]] == list(whole)
+
+    assert [result.state for result in done_in(studio).results] == ["kept"] * 4
+    height = studio / "out" / "one-calf-2" / "one_height.exr"
+    height.write_bytes(height.read_bytes()[:-1])
+    (studio / "out" / "two-calf-1" / "report.json").unlink()
+    assert [result.state for result in done_in(studio).results] == ["kept", "done", "done", "kept"]
+    assert outputs(studio) == whole
+
+    (studio / "one.obj").write_text(ball_text(13.0))
+    assert [result.state for result in done_in(studio).results] == ["done", "done", "kept", "kept"]
+    (studio / "jobs.toml").write_text(JOBS.replace("4 mm", "5 mm"))
+    assert [result.state for result in done_in(studio).results] == ["done"] * 4
+    assert [result.state for result in done_in(studio, resume=False).results] == ["done"] * 4
+
+
+def test_a_failure_stops_the_batch_unless_told_to_keep_going(studio):
+    (studio / "one.obj").write_text("v 0 0 nonsense\n")
+    stopped = done_in(studio)
+    assert stopped.count("failed") >= 1
+    assert stopped.count("not started") >= 1
+    assert stopped.exit_code == 2
+    going = done_in(studio, keep_going=True)
+    assert [result.state for result in going.results][:2] == ["failed", "failed"]
+    assert {result.state for result in going.results[2:]} <= {"done", "kept"}
+    assert "one.obj" in (going.results[0].reason or "")
+    assert going.exit_code == 2
+
+
+def test_a_mesh_that_is_missing_is_one_failure(studio):
+    (studio / "two.obj").unlink()
+    result = done_in(studio, keep_going=True)
+    assert [each.state for each in result.results] == ["done", "done", "failed", "failed"]
+    assert "no such mesh file" in (result.results[2].reason or "")
+
+
+def test_folders_of_others_are_left_alone(studio):
+    mine = studio / "out" / "one-calf-1"
+    mine.mkdir(parents=True)
+    (mine / "notes.txt").write_text("mine")
+    result = done_in(studio, keep_going=True)
+    assert result.results[0].state == "failed"
+    assert "no batch made" in (result.results[0].reason or "")
+    assert [path.name for path in mine.iterdir()] == ["notes.txt"]
+    assert done_in(studio, overwrite=True).results[0].state == "done"
+    assert (mine / "notes.txt").read_text() == "mine"
+
+
+def test_files_by_bytes_are_the_files_by_path(studio):
+    (studio / "toe.png").write_bytes(png())
+    recipe = 'surftex = 1\n[fields]\ntoe = { image = "toe.png" }\n[[layer]]\npreset = "calf"\nmask = "1"\ncell_size = "4 mm"\n'
+    (studio / "toe.toml").write_text(recipe)
+    assert done_in(studio).exit_code == 0
+    by_path = outputs(studio)
+    (studio / "jobs.toml").write_text(JOBS.replace("surftex = 1", 'surftex = 1\nout = "far"'))
+    assert done_in(studio, by_bytes=True).exit_code == 0
+    (studio / "out").rename(studio / "near")
+    (studio / "far").rename(studio / "out")
+    assert outputs(studio) == by_path
+    report = json.loads((studio / "out" / "one-calf-1" / "report.json").read_text())
+    assert report["recipe"]["mesh"]["path"] == str(studio / "one.obj")
+
+
+def png():
+    import numpy as np
+
+    from surftex.files.images import png_bytes
+
+    return png_bytes(np.zeros((4, 4, 3), np.uint8))
+
+
+def test_a_job_in_other_hands_is_waited_for_and_then_kept(studio):
+    assert done_in(studio).exit_code == 0
+    with job_lock(studio / "out", "one-calf-1") as held:
+        assert held
+        with job_lock(studio / "out", "one-calf-1") as again:
+            assert not again
+        results = []
+        other = threading.Thread(target=lambda: results.append(done_in(studio)))
+        other.start()
+        time.sleep(1.0)
+        assert not results
+    other.join(30)
+    assert [result.state for result in results[0].results] == ["kept"] * 4
+
+
+def test_leftovers_of_a_killed_job_go_and_those_of_a_neighbour_stay(tmp_path):
+    for name in (".shoe-ab1_2cde", ".shoe-calf-ab12cdef", ".shoe-short", "shoe"):
+        (tmp_path / name / "new").mkdir(parents=True)
+    clear_leftovers(tmp_path / "shoe")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".shoe-calf-ab12cdef", ".shoe-short", "shoe"]
+
+
+def started(studio, *more):
+    return subprocess.Popen(
+        [sys.executable, "-m", "surftex", "batch", "jobs.toml", "--workers", "2", *more],
+        cwd=studio, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+
+
+def children(pid):
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
+            command = (folder / "cmdline").read_text()
+        except OSError:
+            continue
+        if parent == pid and "spawn_main" in command:
+            found.append(int(folder.name))
+    return found
+
+
+def until(condition, seconds=90.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "nothing happened"
+        time.sleep(0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_killed_at_any_moment_the_next_run_gives_the_same_bytes(studio):
+    (studio / "jobs.toml").write_text(JOBS.replace("64", "512"))
+    assert done_in(studio).exit_code == 0
+    whole = outputs(studio)
+    began = time.monotonic()
+    (studio / "out").rename(studio / "undisturbed")
+    undisturbed = started(studio)
+    undisturbed.communicate()
+    assert undisturbed.returncode == 0
+    usual_s = time.monotonic() - began
+    for share in (0.2, 0.45, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9):
+        (studio / "out").rename(studio / f"before {share}")
+        process = started(studio)
+        time.sleep(share * usual_s)
+        workers = children(process.pid)
+        process.kill()
+        process.communicate()
+        until(lambda workers=workers: not any(Path(f"/proc/{pid}/fd/0").exists() for pid in workers), 20)
+        (studio / "out").mkdir(exist_ok=True)
+        result = done_in(studio)
+        print(f"killed at {share:.2f}: {result.count('kept')} jobs were done")
+        assert result.exit_code == 0
+        assert outputs(studio) == whole
+        assert {path.name for path in (studio / "out").iterdir()} == {*whole, LOCKS, "batch-report.json"}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_a_killed_worker_is_replaced_and_its_job_runs_again(studio):
+    process = started(studio)
+    until(lambda: len(children(process.pid)) == 2)
+    os.kill(children(process.pid)[0], signal.SIGKILL)
+    stdout, stderr = process.communicate(timeout=300)
+    assert process.returncode == 0, stderr
+    assert "4 done" in stdout
+    assert len(outputs(studio)) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+def test_an_interrupted_batch_ends_cleanly(studio):
+    (studio / "jobs.toml").write_text(JOBS.replace("64", "1024").replace('maps = ["height"]', ""))
+    process = started(studio)
+    until(lambda: any((studio / "out").glob(".*-*/new")))
+    workers = children(process.pid)
+    assert workers
+    process.send_signal(signal.SIGINT)
+    _, stderr = process.communicate(timeout=60)
+    assert process.returncode == 130, stderr
+    assert "Traceback" not in stderr
+    until(lambda: not any(pid in children(1) or Path(f"/proc/{pid}/fd/0").exists() for pid in workers), 20)
+    names = {path.name for path in (studio / "out").iterdir()}
+    assert all(not name.startswith(".") or name == LOCKS for name in names)
+
+
+@pytest.mark.slow
+def test_two_batches_into_one_folder_do_not_harm_each_other(studio):
+    one, two = started(studio), started(studio)
+    for process in (one, two):
+        _, stderr = process.communicate(timeout=300)
+        assert process.returncode == 0, stderr
+    assert len(outputs(studio)) == 4
+    assert [result.state for result in done_in(studio).results] == ["kept"] * 4
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_the_same_bytes_and_outlives_a_worker(studio):
+    pytest.importorskip("distributed")
+    assert done_in(studio).exit_code == 0
+    whole = outputs(studio)
+    (studio / "out").rename(studio / "local")
+    scheduler = subprocess.Popen(
+        [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0",
+         "--no-dashboard", "--scheduler-file", str(studio / "scheduler.json")],
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    workers = []
+    try:
+        until(lambda: (studio / "scheduler.json").exists() and (studio / "scheduler.json").stat().st_size > 0)
+        address = json.loads((studio / "scheduler.json").read_text())["address"]
+        command = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard",
+                   "--no-nanny", "--host", "127.0.0.1", "--local-directory", str(studio / "scratch")]  # fmt: skip
+        workers += [subprocess.Popen(command, stderr=subprocess.DEVNULL) for _ in range(2)]
+        process = subprocess.Popen(
+            [sys.executable, "-m", "surftex", "batch", "jobs.toml", "--scheduler", address, "--workers", "2"],
+            cwd=studio, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        until(lambda: (studio / "out" / LOCKS).exists())
+        time.sleep(1.0)
+        workers[0].kill()
+        stdout, stderr = process.communicate(timeout=300)
+        assert process.returncode == 0, stderr
+        assert "4 done" in stdout
+        assert outputs(studio) == whole
+        scheduler.kill()
+        gone = started(studio, "--scheduler", address, "--no-resume")
+        _, stderr = gone.communicate(timeout=120)
+        assert gone.returncode == 3
+        assert "no scheduler answers" in stderr
+        assert stderr.count("\n") == 1
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
