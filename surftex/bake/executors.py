@@ -235,7 +235,8 @@ def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterW
     except ValueError as problem:
         raise InputError(f"{address!r} is no address of a scheduler: {problem}") from None
     try:
-        threads = sum(client.nthreads().values())
+        cores: Any = client.nthreads()
+        threads = sum(cores.values())
         if not threads:
             raise WorkError(
                 f"the scheduler at {address} has no workers; start some with dask worker {address}"
