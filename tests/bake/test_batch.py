@@ -231,7 +231,6 @@ def test_killed_at_any_moment_the_next_run_gives_the_same_bytes(studio):
         until(lambda workers=workers: not any(Path(f"/proc/{pid}/fd/0").exists() for pid in workers), 20)
         (studio / "out").mkdir(exist_ok=True)
         result = done_in(studio)
-        print(f"killed at {share:.2f}: {result.count('kept')} jobs were done")
         assert result.exit_code == 0
         assert outputs(studio) == whole
         assert {path.name for path in (studio / "out").iterdir()} == {*whole, LOCKS, "batch-report.json"}
