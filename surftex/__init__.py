@@ -18,6 +18,9 @@ if TYPE_CHECKING:
         SurftexError,
         WorkError,
     )
+    from surftex.exemplar.learn import learn_texture
+    from surftex.exemplar.model import TextureModel
+    from surftex.exemplar.store import load_model
     from surftex.files.features import load_features
     from surftex.geodesics.distance import geodesic_distance
     from surftex.maps.mapset import MapSet
@@ -41,11 +44,14 @@ _HOME = {
     "SurfaceError": "surftex.errors",
     "SurfacePoints": "surftex.surface.points",
     "SurftexError": "surftex.errors",
+    "TextureModel": "surftex.exemplar.model",
     "WorkError": "surftex.errors",
     "bake": "surftex.bake.bake",
     "geodesic_distance": "surftex.geodesics.distance",
+    "learn_texture": "surftex.exemplar.learn",
     "load": "surftex.bake.loading",
     "load_features": "surftex.files.features",
+    "load_model": "surftex.exemplar.store",
     "optics": "surftex",
     "shapes": "surftex.surface",
 }
@@ -66,12 +72,15 @@ __all__ = [
     "SurfaceError",
     "SurfacePoints",
     "SurftexError",
+    "TextureModel",
     "WorkError",
     "__version__",
     "bake",
     "geodesic_distance",
+    "learn_texture",
     "load",
     "load_features",
+    "load_model",
     "optics",
     "shapes",
 ]

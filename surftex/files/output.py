@@ -103,6 +103,37 @@ def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Pat
             parent.rmdir()
 
 
+def write_whole(path: str | Path, data: bytes) -> None:
+    """Write one file, whole or not at all; a file of that name is replaced.
+
+    Parameters
+    ----------
+    path : path
+        Of the file, in a folder that is there.
+    data : bytes
+        What it will hold.
+
+    Raises
+    ------
+    InputError
+        If the path is a folder.
+    WorkError
+        If it cannot be written.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise InputError(f"{target} is a folder; name a file")
+    draft = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        draft.write_bytes(data)
+        _sync(draft)
+        draft.replace(target)
+    except OSError as problem:
+        raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
+    finally:
+        draft.unlink(missing_ok=True)
+
+
 def file_hashes(folder: str | Path) -> dict[str, str]:
     """Tell the files of a folder by their bytes.
 
