@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
-from surftex.fields.sources import Field
-from surftex.surface.points import SurfacePoints
+from surftex.fields.sources import SpannedField, corner_field
 from surftex.surface.surface import Surface
 
 
-def curvature_field(surface: Surface, kind: Literal["convex", "concave"], radius_mm: float) -> Field:
+def curvature_field(surface: Surface, kind: Literal["convex", "concave"], radius_mm: float) -> SpannedField:
     """Give 1 where the surface bends as much as a ball, 0 where it is flat or bends the other way.
 
     The mean curvature is averaged over about `radius_mm` by diffusion before it is compared with 1/radius.
@@ -27,7 +26,7 @@ def curvature_field(surface: Surface, kind: Literal["convex", "concave"], radius
 
     Returns
     -------
-    field : Field
+    field : SpannedField
         0 to 1, linear in the curvature up to 1.
 
     Raises
@@ -41,12 +40,7 @@ def curvature_field(surface: Surface, kind: Literal["convex", "concave"], radius
         raise RecipeError(f"a curvature radius of {radius_mm} mm; it takes a length above 0")
     curvature = mean_curvature(surface, radius_mm)
     value = np.clip((curvature if kind == "convex" else -curvature) * radius_mm, 0.0, 1.0)
-    faces = surface.faces
-
-    def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-        return np.einsum("pk,pk->p", points.barycentric, value[faces[points.face]])
-
-    return field
+    return corner_field(value[surface.faces])
 
 
 def mean_curvature(surface: Surface, radius_mm: float) -> NDArray[np.float64]:

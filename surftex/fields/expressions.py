@@ -17,10 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
+from surftex.fields import spans
+from surftex.fields.spans import Span, SpanRule
 
 Values = NDArray[np.float64]
 Resolve = Callable[[str], Values]
-_Node = Callable[[Resolve], Any]
+ResolveSpan = Callable[[str], Span]
 
 AXES = ("x", "y", "z")
 """Names of a point's coordinates."""
@@ -42,30 +44,62 @@ def _mix(first: Values, second: Values, share: Values) -> Values:
     return first + (second - first) * share
 
 
-FUNCTIONS: Mapping[str, tuple[Callable[..., Values], int, int]] = {
-    "min": (lambda *a: _fold(np.minimum, a), 2, 16),
-    "max": (lambda *a: _fold(np.maximum, a), 2, 16),
-    "clamp": (_clamp, 3, 3),
-    "smoothstep": (_smoothstep, 3, 3),
-    "mix": (_mix, 3, 3),
-    "abs": (np.abs, 1, 1),
-    "sqrt": (np.sqrt, 1, 1),
-    "sin": (np.sin, 1, 1),
-    "cos": (np.cos, 1, 1),
-    "floor": (np.floor, 1, 1),
+def _lowest(*values: Values) -> Values:
+    return _fold(np.minimum, values)
+
+
+def _highest(*values: Values) -> Values:
+    return _fold(np.maximum, values)
+
+
+FUNCTIONS: Mapping[str, tuple[Callable[..., Values], int, int, SpanRule]] = {
+    "min": (_lowest, 2, 16, lambda *a: (_lowest(*(s[0] for s in a)), _lowest(*(s[1] for s in a)))),
+    "max": (_highest, 2, 16, lambda *a: (_highest(*(s[0] for s in a)), _highest(*(s[1] for s in a)))),
+    "clamp": (_clamp, 3, 3, spans.at_corners(_clamp)),
+    "smoothstep": (_smoothstep, 3, 3, spans.stepped(_smoothstep)),
+    "mix": (_mix, 3, 3, spans.mixed),
+    "abs": (np.abs, 1, 1, spans.absolute),
+    "sqrt": (np.sqrt, 1, 1, spans.root),
+    "sin": (np.sin, 1, 1, spans.wave),
+    "cos": (np.cos, 1, 1, spans.wave),
+    "floor": (np.floor, 1, 1, spans.at_corners(np.floor)),
 }
-"""Function, fewest and most arguments."""
+"""Function, fewest and most arguments, and the span of what it gives."""
 
 RESERVED = frozenset({*FUNCTIONS, *AXES, "pi", "part"})
 """Names that a field cannot have."""
 
-_BINARY: Mapping[type, Callable[..., Values]] = {
-    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.power,
-}  # fmt: skip
-_COMPARE: Mapping[type, Callable[..., Values]] = {
-    ast.Lt: np.less, ast.LtE: np.less_equal, ast.Gt: np.greater, ast.GtE: np.greater_equal,
-    ast.Eq: np.equal, ast.NotEq: np.not_equal,
-}  # fmt: skip
+_BINARY: Mapping[type, tuple[Callable[..., Values], SpanRule]] = {
+    ast.Add: (np.add, spans.at_corners(np.add)),
+    ast.Sub: (np.subtract, spans.at_corners(np.subtract)),
+    ast.Mult: (np.multiply, spans.multiply),
+    ast.Div: (np.divide, spans.divide),
+    ast.Pow: (np.power, spans.power),
+}
+_COMPARE: Mapping[type, tuple[Callable[..., Values], SpanRule]] = {
+    ast.Lt: (np.less, spans.at_corners(np.less)),
+    ast.LtE: (np.less_equal, spans.at_corners(np.less_equal)),
+    ast.Gt: (np.greater, spans.at_corners(np.greater)),
+    ast.GtE: (np.greater_equal, spans.at_corners(np.greater_equal)),
+    ast.Eq: (np.equal, spans.equal),
+    ast.NotEq: (np.not_equal, lambda a, b: spans.negated(spans.equal(a, b))),
+}
+
+
+@dataclass(frozen=True)
+class _Node:
+    """One step of an expression: its value at points, and its span over faces."""
+
+    value: Callable[[Resolve], Any]
+    span: Callable[[ResolveSpan], Span]
+
+    @staticmethod
+    def of(function: Callable[..., Any], rule: SpanRule, nodes: "list[_Node]") -> "_Node":
+        """Apply a function to what some steps give."""
+        return _Node(
+            lambda resolve: function(*[each.value(resolve) for each in nodes]),
+            lambda resolve: rule(*[each.span(resolve) for each in nodes]),
+        )
 
 
 @dataclass(frozen=True)
@@ -85,7 +119,7 @@ class Expression:
     text: str
     names: frozenset[str]
     parts: frozenset[str]
-    _value: _Node
+    _root: _Node
 
     @staticmethod
     def parse(value: str | float | int) -> "Expression":
@@ -122,8 +156,8 @@ class Expression:
         except (ValueError, RecursionError, MemoryError):
             raise RecipeError(f"{_short(text)!r} cannot be read as an expression") from None
         reader = _Reader(text.strip())
-        value_of = reader.read(tree.body, 0)
-        return Expression(text.strip(), frozenset(reader.names), frozenset(reader.parts), value_of)
+        root = reader.read(tree.body, 0)
+        return Expression(text.strip(), frozenset(reader.names), frozenset(reader.parts), root)
 
     def evaluate(self, resolve: Resolve, count: int) -> Values:
         """Compute the expression at points.
@@ -146,7 +180,7 @@ class Expression:
             If a value is not finite, such as after a division by zero.
         """
         with np.errstate(all="ignore"):
-            values = np.broadcast_to(np.asarray(self._value(resolve), np.float64), (count,))
+            values = np.broadcast_to(np.asarray(self._root.value(resolve), np.float64), (count,))
         wrong = np.count_nonzero(~np.isfinite(values))
         if wrong:
             raise RecipeError(
@@ -154,6 +188,27 @@ class Expression:
                 "does it divide by zero?"
             )
         return np.array(values)
+
+    def span(self, resolve: ResolveSpan, count: int) -> Span:
+        """Bound the expression over faces, from the bounds of what it refers to.
+
+        Parameters
+        ----------
+        resolve : callable
+            Gives the span of a name, as `evaluate` takes its values.
+        count : int
+            Faces.
+
+        Returns
+        -------
+        low : (count,) float64
+            No value on the face is less; -inf where nothing is known.
+        high : (count,) float64
+            No value is greater; inf where nothing is known.
+        """
+        with np.errstate(all="ignore"):
+            low, high = self._root.span(resolve)
+        return np.array(np.broadcast_to(low, (count,))), np.array(np.broadcast_to(high, (count,)))
 
 
 class _Reader:
@@ -170,30 +225,29 @@ class _Reader:
             raise self.refuse(node, f"nested more than {_DEEPEST} deep")
         match node:
             case ast.Constant(value=int() | float() as number) if _is_finite(number):
-                constant = np.float64(number)
-                return lambda _: constant
+                return _constant(float(number))
             case ast.Name(id=name):
                 return self._name(node, name)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-                function, a, b = _BINARY[type(op)], self.read(left, depth + 1), self.read(right, depth + 1)
-                return lambda resolve: function(a(resolve), b(resolve))
+                return _Node.of(*_BINARY[type(op)], [self.read(each, depth + 1) for each in (left, right)])
             case ast.UnaryOp(op=ast.USub(), operand=inner):
-                a = self.read(inner, depth + 1)
-                return lambda resolve: -a(resolve)
+                return _Node.of(np.negative, lambda a: (-a[1], -a[0]), [self.read(inner, depth + 1)])
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
                 return self.read(inner, depth + 1)
             case ast.UnaryOp(op=ast.Not(), operand=inner):
-                a = self.read(inner, depth + 1)
-                return lambda resolve: np.where(a(resolve) != 0, 0.0, 1.0)
+                return _Node.of(
+                    lambda a: np.where(a != 0, 0.0, 1.0), spans.negated, [self.read(inner, depth + 1)]
+                )
             case ast.Compare(left=left, ops=ops, comparators=rest) if all(type(op) in _COMPARE for op in ops):
                 return self._comparison([self.read(each, depth + 1) for each in (left, *rest)], ops)
             case ast.BoolOp(op=op, values=values):
-                nodes = [self.read(each, depth + 1) for each in values]
-                every = isinstance(op, ast.And)
-                return lambda resolve: _truth([each(resolve) for each in nodes], every=every)
+                return _joined([self.read(each, depth + 1) for each in values], every=isinstance(op, ast.And))
             case ast.IfExp(test=test, body=body, orelse=other):
-                c, a, b = (self.read(each, depth + 1) for each in (test, body, other))
-                return lambda resolve: np.where(c(resolve) != 0, a(resolve), b(resolve))
+                return _Node.of(
+                    lambda c, a, b: np.where(c != 0, a, b),
+                    spans.chosen,
+                    [self.read(each, depth + 1) for each in (test, body, other)],
+                )
             case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
                 return self._call(node, name, arguments, depth)
         known = f"numbers, fields, + - * / ** < >, {', '.join(FUNCTIONS)} and part('name')"
@@ -201,42 +255,53 @@ class _Reader:
 
     def _name(self, node: ast.AST, name: str) -> _Node:
         if name == "pi":
-            return lambda _: np.float64(math.pi)
+            return _constant(math.pi)
         if name in FUNCTIONS or name == "part":
             raise self.refuse(node, f"{name} is a function; write {name}(...)")
         if name not in AXES:
             self.names.add(name)
-        return lambda resolve: resolve(name)
+        return _looked_up(name)
 
     def _comparison(self, nodes: list[_Node], ops: list[ast.cmpop]) -> _Node:
-        functions = [_COMPARE[type(op)] for op in ops]
-
-        def compare(resolve: Resolve) -> Values:
-            values = [each(resolve) for each in nodes]
-            links = [
-                function(a, b) for function, a, b in zip(functions, values[:-1], values[1:], strict=True)
-            ]
-            return _truth(links, every=True)
-
-        return compare
+        pairs = zip(nodes[:-1], nodes[1:], ops, strict=True)
+        return _joined([_Node.of(*_COMPARE[type(op)], [a, b]) for a, b, op in pairs], every=True)
 
     def _call(self, node: ast.AST, name: str, arguments: list[ast.expr], depth: int) -> _Node:
         if name == "part":
             match arguments:
                 case [ast.Constant(value=str(part))]:
                     self.parts.add(part)
-                    return lambda resolve: resolve(f"part:{part}")
+                    return _looked_up(f"part:{part}")
             raise self.refuse(node, "part takes the name of a part in quotes, such as part('upper')")
         if name not in FUNCTIONS:
             near = get_close_matches(name, [*FUNCTIONS, "part"], 1)
             hint = f"; did you mean {near[0]}?" if near else f"; known are {', '.join(FUNCTIONS)}, part"
             raise self.refuse(node, f"unknown function {name!r}{hint}")
-        function, fewest, most = FUNCTIONS[name]
+        function, fewest, most, rule = FUNCTIONS[name]
         if not fewest <= len(arguments) <= most:
             takes = f"{fewest}" if fewest == most else f"{fewest} to {most}"
             raise self.refuse(node, f"{name} takes {takes} arguments, not {len(arguments)}")
-        nodes = [self.read(each, depth + 1) for each in arguments]
-        return lambda resolve: function(*[each(resolve) for each in nodes])
+        return _Node.of(function, rule, [self.read(each, depth + 1) for each in arguments])
+
+
+def _constant(number: float) -> _Node:
+    value, span = np.float64(number), spans.constant(number)
+    return _Node(lambda _: value, lambda _: span)
+
+
+def _looked_up(name: str) -> _Node:
+    return _Node(lambda resolve: resolve(name), lambda resolve: resolve(name))
+
+
+def _joined(nodes: list[_Node], *, every: bool) -> _Node:
+    """Whether every one of some steps is true, or any."""
+    combine = np.minimum if every else np.maximum
+
+    def rule(*each: Span) -> Span:
+        known = [spans.truth(span) for span in each]
+        return _fold(combine, tuple(k[0] for k in known)), _fold(combine, tuple(k[1] for k in known))
+
+    return _Node.of(lambda *values: _truth(list(values), every=every), rule, nodes)
 
 
 def _fold(function: Callable[..., Values], values: tuple[Values, ...]) -> Values:

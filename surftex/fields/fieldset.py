@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
 from surftex.fields.expressions import AXES, RESERVED, Expression
-from surftex.fields.sources import Field, file_positions, part_field
+from surftex.fields.sources import Field, SpannedField, file_positions, part_field, span_of
+from surftex.fields.spans import Span, over_corners
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -73,11 +74,11 @@ class FieldSet:
     def __contains__(self, name: object) -> bool:
         return name in self._fields or name in self._expressions
 
-    def __getitem__(self, name: str) -> Field:
+    def __getitem__(self, name: str) -> SpannedField:
         """Look up the field of one name."""
         return self.scalar(name)
 
-    def scalar(self, value: str | float) -> Field:
+    def scalar(self, value: str | float) -> SpannedField:
         """Read a number or an expression over the named fields.
 
         Parameters
@@ -87,8 +88,8 @@ class FieldSet:
 
         Returns
         -------
-        field : Field
-            ``field(points, footprint_mm=0.0) -> (n,) float64``, finite.
+        field : SpannedField
+            ``field(points, footprint_mm=0.0) -> (n,) float64``, finite; ``field.span()`` bounds it.
 
         Raises
         ------
@@ -101,7 +102,7 @@ class FieldSet:
         def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
             return _Evaluation(self, points, footprint_mm).of(expression)
 
-        return field
+        return SpannedField(field, lambda: _Bounds(self).of(expression))
 
     def direction(self, name: str) -> "DirectionField":
         """Look up the direction field of one name; it is made at first use.
@@ -166,6 +167,32 @@ class _Evaluation:
             self.known[name] = self.fields._fields[name](self.points, self.footprint_mm)
         else:
             self.known[name] = self.of(self.fields._expressions[name])
+
+
+class _Bounds:
+    """The spans of the fields of one set, over all faces."""
+
+    def __init__(self, fields: FieldSet) -> None:
+        self.fields, self.surface = fields, fields.surface
+        self.known: dict[str, Span] = {}
+
+    def of(self, expression: Expression) -> Span:
+        return expression.span(self.resolve, len(self.surface.faces))
+
+    def resolve(self, name: str) -> Span:
+        if name not in self.known:
+            self.known[name] = self._found(name)
+        return self.known[name]
+
+    def _found(self, name: str) -> Span:
+        if name in AXES:
+            place = self.surface.vertices[:, AXES.index(name)] + self.surface.origin_mm[AXES.index(name)]
+            return over_corners(place[self.surface.faces])
+        if name.startswith("part:"):
+            return part_field(self.surface, name.removeprefix("part:")).span()
+        if name in self.fields._fields:
+            return span_of(self.fields._fields[name], self.surface)
+        return self.of(self.fields._expressions[name])
 
 
 def check_name(name: str) -> None:

@@ -1,21 +1,43 @@
 """Where numbers on a surface come from: a picture through the mesh's own UVs, a part, an axis, noise.
 
 Each function returns a `Field`: called with points (and the samples' footprints, where known) it gives one
-number per point, and never depends on other points.
+number per point, and never depends on other points. The fields made here also know their `span`.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surftex.errors import RecipeError
 from surftex.fields.noise import Noise
+from surftex.fields.spans import Span, over_corners, over_pixels
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
 Field = Callable[..., NDArray[np.float64]]
 """``field(points, footprint_mm=0.0) -> (n,) float64``."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpannedField:
+    """A `Field` with bounds on every face.
+
+    Attributes
+    ----------
+    value : Field
+        What it is at points.
+    span : callable
+        ``span()`` gives the least and the greatest value possible on each of the m faces, (m,) each.
+    """
+
+    value: Field
+    span: Callable[[], Span]
+
+    def __call__(self, points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+        """Evaluate at points."""
+        return self.value(points, footprint_mm)
 
 
 def file_positions(surface: Surface, points: SurfacePoints) -> NDArray[np.float64]:
@@ -52,7 +74,48 @@ def constant_field(value: float) -> Field:
     return lambda points, footprint_mm=0.0: np.full(len(points), float(value))
 
 
-def part_field(surface: Surface, name: str) -> Field:
+def span_of(field: Field, surface: Surface) -> Span:
+    """Bound a field on each face.
+
+    Parameters
+    ----------
+    field : Field
+        With or without a span.
+    surface : Surface
+        m faces.
+
+    Returns
+    -------
+    low : (m,) float64
+        -inf where nothing is known.
+    high : (m,) float64
+        inf where nothing is known.
+    """
+    if isinstance(field, SpannedField):
+        return field.span()
+    return np.full(len(surface.faces), -np.inf), np.full(len(surface.faces), np.inf)
+
+
+def corner_field(values: NDArray[np.float64]) -> SpannedField:
+    """Interpolate numbers at the corners of faces.
+
+    Parameters
+    ----------
+    values : (m, 3) float64
+        At the corners of each face.
+
+    Returns
+    -------
+    field : SpannedField
+        Linear inside faces.
+    """
+    return SpannedField(
+        lambda points, footprint_mm=0.0: np.einsum("pk,pk->p", points.barycentric, values[points.face]),
+        lambda: over_corners(values),
+    )
+
+
+def part_field(surface: Surface, name: str) -> SpannedField:
     """Give 1 on a part of the mesh and 0 elsewhere.
 
     Parameters
@@ -75,12 +138,12 @@ def part_field(surface: Surface, name: str) -> Field:
     if name not in surface.part_names:
         raise RecipeError(f"the mesh has no part {name!r}; it has {', '.join(map(repr, surface.part_names))}")
     on_part = (surface.part == surface.part_names.index(name)).astype(np.float64)
-    return lambda points, footprint_mm=0.0: on_part[points.face]
+    return SpannedField(lambda points, footprint_mm=0.0: on_part[points.face], lambda: (on_part, on_part))
 
 
 def gradient_field(
     surface: Surface, axis: ArrayLike, start_mm: float | None = None, end_mm: float | None = None
-) -> Field:
+) -> SpannedField:
     """Rise from 0 to 1 along an axis.
 
     Parameters
@@ -116,12 +179,17 @@ def gradient_field(
         raise RecipeError(
             f"a gradient that starts and ends at {start:g} mm has no slope; does the surface extend along it?"
         )
-    return lambda points, footprint_mm=0.0: np.clip(
-        (file_positions(surface, points) @ along - start) / (end - start), 0.0, 1.0
+
+    def risen(places: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.clip((places @ along - start) / (end - start), 0.0, 1.0)
+
+    return SpannedField(
+        lambda points, footprint_mm=0.0: risen(file_positions(surface, points)),
+        lambda: over_corners(risen(surface.vertices + surface.origin_mm)[surface.faces]),
     )
 
 
-def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 1.0) -> Field:
+def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 1.0) -> SpannedField:
     """Let noise vary a number.
 
     Parameters
@@ -140,14 +208,16 @@ def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 
     field : Field
         From `low` to `high`.
     """
-    return lambda points, footprint_mm=0.0: (
-        low
-        + (high - low)
-        * np.clip(0.5 + 0.5 * noise.at(points.positions(surface), footprint_mm).astype(np.float64), 0.0, 1.0)
-    )
+
+    def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+        share = 0.5 + 0.5 * noise.at(points.positions(surface), footprint_mm).astype(np.float64)
+        return low + (high - low) * np.clip(share, 0.0, 1.0)
+
+    every = np.ones(len(surface.faces))
+    return SpannedField(field, lambda: (min(low, high) * every, max(low, high) * every))
 
 
-def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "image") -> Field:
+def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "image") -> SpannedField:
     """Read a picture through the mesh's own UVs, between texels bilinearly, repeating outside 0..1.
 
     Parameters
@@ -192,4 +262,4 @@ def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "im
         lower = pixels[below, i] * (1 - across) + pixels[below, right] * across
         return upper * (1 - down) + lower * down
 
-    return field
+    return SpannedField(field, lambda: over_pixels(corner_uv, pixels))

@@ -86,3 +86,83 @@ def test_a_count_is_met_under_a_weight():
 def test_mistakes_are_named(given, words):
     with pytest.raises(InputError, match=words):
         scatter(plane(10.0), stream(7, "mistakes"), **given)
+
+
+def stretched(cells=16, side=40.0):
+    """A sheet whose unwrap gives its left half ten times the room per mm of its right half."""
+    from surftex.surface.surface import Surface
+
+    sheet = plane(side, cells=cells)
+    x = sheet.vertices[sheet.faces][..., 0] / side
+    uv = sheet.corner_uv.copy()
+    uv[..., 0] = np.where(x < 0.5, x * 2 * 10 / 11, 10 / 11 + (x - 0.5) * 2 / 11)
+    return Surface.from_arrays(sheet.vertices, sheet.faces, corner_uv=uv)
+
+
+def test_density_follows_the_area_whatever_the_unwrap_stretches():
+    from surftex.fields.fieldset import FieldSet
+    from surftex.fields.sources import image_field
+
+    surface = stretched()
+    columns = (np.arange(440) + 0.5) / 440
+    grey = np.tile(np.where(columns < 10 / 11, 0.5 + 0.4 * np.sin(columns * 40), 0.5), (64, 1))
+    fields = FieldSet(surface, {"likely": image_field(surface, grey)})
+    points = scatter(surface, stream(8, "stretch"), density_per_mm2=fields.scalar("20 * likely"))
+    place = points.positions(surface)
+    # two strips, 20 mm by 4 mm each, over which the picture has the same mean on the surface
+    for low, high in ((0.0, 20.0), (20.0, 40.0)):
+        x = np.linspace(low, high, 20_001)
+        u = np.where(x < 20, x / 20 * 10 / 11, 10 / 11 + (x - 20) / 20 / 11)
+        expected = 20 * np.interp(u, columns, grey[0]).mean() * 20 * 40
+        found = ((place[:, 0] >= low) & (place[:, 0] < high)).sum()
+        assert found == pytest.approx(expected, abs=4 * np.sqrt(expected))
+    flat = scatter(surface, stream(9, "stretch"), density_per_mm2=5.0).positions(surface)
+    cells = np.histogram2d(flat[:, 0], flat[:, 1], bins=8, range=[[0, 40], [0, 40]])[0].ravel()
+    assert chisquare(cells).pvalue > 1e-4
+
+
+def test_a_power_gathers_points_where_a_field_is_high():
+    from surftex.fields.sources import gradient_field
+
+    sheet = plane(10.0, cells=4)
+    field = gradient_field(sheet, [1, 0, 0])
+    for power in (0.5, 1.0, 4.0):
+        points = scatter(sheet, stream(10, "power"), count=20_000, weight=field, power=power)
+        mean = points.positions(sheet)[:, 0].mean() / 10
+        assert mean == pytest.approx((power + 1) / (power + 2), abs=0.01)
+
+
+def test_a_narrow_field_is_met_and_a_wide_one_moves_nothing():
+    from surftex.fields.sources import SpannedField, gradient_field
+
+    sheet = plane(10.0, cells=100)
+    narrow = gradient_field(sheet, [1, 0, 0], 9.9, 10.0)
+    points = scatter(sheet, stream(11, "narrow"), count=500, weight=narrow)
+    assert (points.positions(sheet)[:, 0] > 9.9).all()
+    assert points.positions(sheet)[:, 0].mean() == pytest.approx(9.9 + 0.2 / 3, abs=0.005)
+    wide = gradient_field(sheet, [1, 0, 0])
+    plain = scatter(sheet, stream(12, "wide"), density_per_mm2=3.0)
+    thinned = scatter(
+        sheet,
+        stream(12, "wide"),
+        density_per_mm2=SpannedField(
+            lambda p, f=0.0: 3 * wide(p), lambda: tuple(3 * end for end in wide.span())
+        ),
+    )
+    assert {tuple(row) for row in thinned.barycentric} < {tuple(row) for row in plain.barycentric}
+
+
+def test_a_field_that_breaks_its_span_or_has_none_is_refused():
+    from surftex.fields.fieldset import FieldSet
+    from surftex.fields.sources import SpannedField, gradient_field
+
+    sheet = plane(10.0)
+    ones = np.ones(len(sheet.faces))
+    liar = SpannedField(lambda p, f=0.0: np.full(len(p), 2.0), lambda: (0 * ones, ones))
+    with pytest.raises(InputError, match="of its span"):
+        scatter(sheet, stream(13, "span"), density_per_mm2=liar)
+    fields = FieldSet(sheet, {"up": gradient_field(sheet, [1, 0, 0])})
+    with pytest.raises(InputError, match=r"no upper bound on .* of 512 faces"):
+        scatter(sheet, stream(13, "span"), density_per_mm2=fields.scalar("1 / up"))
+    with pytest.raises(InputError, match="without a span"):
+        scatter(sheet, stream(13, "span"), density_per_mm2=lambda p: np.ones(len(p)))

@@ -98,3 +98,42 @@ def test_a_huge_power_is_an_error_and_not_a_long_wait():
 def test_division_by_zero_is_an_error():
     with pytest.raises(RecipeError, match="at 1 of 3 points; does it divide by zero"):
         value("1 / toe")
+
+
+spanned = st.recursive(
+    st.sampled_from(["toe", "wear", "2", "0.5", "0", "-1.5"]),
+    lambda inner: st.one_of(
+        st.tuples(
+            inner, st.sampled_from(["+", "-", "*", "/", "**", "<", ">=", "==", "!=", "and", "or"]), inner
+        ).map(lambda t: f"({t[0]} {t[1]} {t[2]})"),
+        inner.map(lambda t: f"(not {t})"),
+        st.tuples(st.sampled_from(["abs", "sqrt", "sin", "floor", "-"]), inner).map(
+            lambda t: f"{t[0]}({t[1]})"
+        ),
+        st.tuples(st.sampled_from(["clamp", "smoothstep", "mix", "min"]), inner, inner, inner).map(
+            lambda t: f"{t[0]}({t[1]}, {t[2]}, {t[3]})"
+        ),
+        st.tuples(inner, inner, inner).map(lambda t: f"({t[0]} if {t[1]} > 0.5 else {t[2]})"),
+    ),
+    max_leaves=8,
+)
+ends = st.tuples(st.floats(-3, 3), st.floats(0, 4))
+
+
+@given(spanned, ends, ends)
+def test_a_span_holds_every_value(text, toe, wear):
+    expression = Expression.parse(text)
+    low_high = {name: (low, low + size) for name, (low, size) in {"toe": toe, "wear": wear}.items()}
+    share = np.linspace(0, 1, 7)
+    grid = np.meshgrid(share, share)
+    names = {
+        name: low + (high - low) * axis.ravel()
+        for (name, (low, high)), axis in zip(low_high.items(), grid, strict=True)
+    }
+    low, high = expression.span(lambda name: tuple(np.full(1, end) for end in low_high[name]), 1)
+    with np.errstate(all="ignore"):
+        values = np.broadcast_to(expression._root.value(names.__getitem__), (49,)).astype(float)
+    values = values[np.isfinite(values)]
+    room = 1e-9 * (1 + np.abs(values))
+    assert (values >= low - room).all()
+    assert (values <= high + room).all()

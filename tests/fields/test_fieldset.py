@@ -154,3 +154,37 @@ def test_directions_are_made_once_and_looked_up_by_name():
 def test_part_names_are_told_when_wrong():
     with pytest.raises(RecipeError, match="has 'surface'"):
         part_field(plane(), "upper")
+
+
+def test_every_source_keeps_to_its_span():
+    surface = plane(10.0, cells=6)
+    pixels = stream(4, "test").uniform(37, 53)
+    fields = FieldSet(
+        surface,
+        {
+            "picture": image_field(surface, pixels),
+            "up": gradient_field(surface, [1, 2, 0], 3.0, 12.0),
+            "spots": noise_field(surface, Noise(stream(1, "spots"), 2.0, 3), -1.0, 2.0),
+            "all": "picture * (1 - up) + 0.2 * spots ** 2 - x / 10",
+        },
+    )
+    points = random_points(surface, 20_000)
+    for name in fields.names:
+        low, high = fields[name].span()
+        values = fields[name](points)
+        assert (values >= low[points.face] - 1e-12).all()
+        assert (values <= high[points.face] + 1e-12).all()
+    low, high = fields["picture"].span()
+    assert (high - low).mean() < 1.0  # of each face alone: the whole picture spans 1
+    assert fields["picture"].span()[1].max() <= pixels.max()
+
+
+def test_the_span_of_a_picture_holds_across_its_edge():
+    base = plane(10.0, cells=4)
+    surface = Surface.from_arrays(base.vertices, base.faces, corner_uv=base.corner_uv * 3.3 - 1.4)
+    field = image_field(surface, stream(5, "test").uniform(20, 9))
+    points = random_points(surface, 20_000)
+    low, high = field.span()
+    values = field(points)
+    assert (values >= low[points.face] - 1e-12).all()
+    assert (values <= high[points.face] + 1e-12).all()

@@ -12,6 +12,7 @@ from surftex.features.poisson import Sites, expected_sites, poisson_disk
 from surftex.features.relax import relaxed
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
+from surftex.fields.sources import SpannedField
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.records import Records
 from surftex.geodesics.tracing import trace
@@ -130,7 +131,7 @@ def refuse_too_many(
     spacing = _number(names, leather.cell_size, "cell_size")
     expected = {
         "cells": expected_sites(surface, spacing, _number(names, leather.cell_ratio, "cell_ratio")),
-        "pores": _pore_density(leather, surface, seed, names) * surface.area_mm2,
+        "pores": _expected_pores(leather, surface, names),
         "wrinkles": float(_wrinkle_count(leather, surface, seed)),
         "crowns": expected_sites(surface, leather.crown_spacing, 1.0) if leather.crown_spacing > 0 else 0.0,
     }
@@ -228,13 +229,17 @@ def _on_the_graph(
     return {kind: table for kind, table in features.items() if len(table)}
 
 
-def _pore_density(leather: Leather, surface: Surface, seed: int, names: FieldSet) -> float:
-    """Pores per mm^2, the highest that an expression reaches."""
+def _expected_pores(leather: Leather, surface: Surface, names: FieldSet) -> float:
+    """Pores to be expected, from what an expression cannot exceed on each face."""
     if not isinstance(leather.pore_density, str):
-        return leather.pore_density
-    probes = scatter(surface, stream(seed, "leather", "pore peak"), count=4096)
-    peak = 1.25 * float(np.max(names.scalar(leather.pore_density)(probes)))
-    return min(max(peak, 0.0), PORE_PER_MM2)
+        return leather.pore_density * surface.area_mm2
+    most = _pore_field(names, leather.pore_density, 1).span()[1]
+    return float((np.maximum(most, 0) * surface.face_area_mm2).sum())
+
+
+def _pore_field(names: FieldSet, density: str, group: int) -> SpannedField:
+    """Groups of pores per mm^2 at points."""
+    return names.scalar(f"clamp({density}, 0, {PORE_PER_MM2}) / {group}")
 
 
 def _pores(
@@ -242,19 +247,10 @@ def _pores(
 ) -> SurfacePoints:
     """Pores, alone or in groups, by area; a mask thins them and moves none."""
     random = stream(seed, "leather", "pores")
-    density = _pore_density(leather, surface, seed, names)
-    weight: Callable[[SurfacePoints], NDArray] | None = None
-    if isinstance(leather.pore_density, str):
-        field = names.scalar(leather.pore_density)
-
-        def share(points: SurfacePoints) -> NDArray:
-            return np.clip(field(points) / max(density, 1e-12), 0, 1)
-
-        weight = share
-    if density <= 0:
-        return SurfacePoints.trusted(np.zeros(0, np.int32), np.zeros((0, 3)))
     group = leather.pore_group
-    middle = scatter(surface, random, density_per_mm2=density / group, weight=weight)
+    density = leather.pore_density
+    shared = _pore_field(names, density, group) if isinstance(density, str) else density / group
+    middle = scatter(surface, random, density_per_mm2=shared)
     if group == 1:
         return middle
     numbers = stream(seed, "leather", "pore groups").uniform(len(middle), 2)
