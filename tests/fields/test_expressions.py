@@ -120,11 +120,39 @@ spanned = st.recursive(
 ends = st.tuples(st.floats(-3, 3), st.floats(0, 4))
 
 
+@pytest.mark.parametrize("toe", [(-1.5, 3.0), (-2.0, 1.0), (0.5, 1.0)])
+@pytest.mark.parametrize(
+    ("text", "tight"),
+    [
+        ("abs(toe)", True), ("toe ** 2", True), ("toe ** 3", True), ("-toe * wear", True), ("toe / (2 + wear)", True),
+        ("toe < wear", True), ("not toe", False), ("toe == wear", False), ("toe and wear", False), ("cos(9 * toe)", False),
+        ("smoothstep(0.1, 0.9, toe)", True), ("smoothstep(wear, 0.9, toe)", False), ("sqrt(abs(toe))", True),
+        ("clamp(toe, 0, wear)", True), ("mix(toe, wear, 0.3)", True), ("floor(3 * toe)", True), ("2 ** toe", True),
+        ("toe if wear > 0.5 else 7", False), ("max(toe, wear, 0)", True), ("-2 <= toe <= 0.5", False),
+    ],
+)  # fmt: skip
+def test_a_span_of_each_operation_holds_and_fits(text, tight, toe):
+    low, high, values = span_and_values(text, toe, (0.25, 1.0))
+    assert low - 1e-9 <= values.min()
+    assert values.max() <= high + 1e-9
+    if tight:
+        assert values.min() - low < 0.05 * (1 + high - low)
+        assert high - values.max() < 0.05 * (1 + high - low)
+
+
 @given(spanned, ends, ends)
 def test_a_span_holds_every_value(text, toe, wear):
+    low, high, values = span_and_values(text, toe, wear)
+    room = 1e-9 * (1 + np.abs(values))
+    assert (values >= low - room).all()
+    assert (values <= high + room).all()
+
+
+def span_and_values(text, toe, wear):
+    """The span over a box of values (least, size), and the finite values on a grid in it."""
     expression = Expression.parse(text)
     low_high = {name: (low, low + size) for name, (low, size) in {"toe": toe, "wear": wear}.items()}
-    share = np.linspace(0, 1, 7)
+    share = np.linspace(0, 1, 41)
     grid = np.meshgrid(share, share)
     names = {
         name: low + (high - low) * axis.ravel()
@@ -132,8 +160,5 @@ def test_a_span_holds_every_value(text, toe, wear):
     }
     low, high = expression.span(lambda name: tuple(np.full(1, end) for end in low_high[name]), 1)
     with np.errstate(all="ignore"):
-        values = np.broadcast_to(expression._root.value(names.__getitem__), (49,)).astype(float)
-    values = values[np.isfinite(values)]
-    room = 1e-9 * (1 + np.abs(values))
-    assert (values >= low - room).all()
-    assert (values <= high + room).all()
+        values = np.broadcast_to(expression._root.value(names.__getitem__), (41 * 41,)).astype(float)
+    return float(low[0]), float(high[0]), values[np.isfinite(values)]

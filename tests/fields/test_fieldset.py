@@ -180,7 +180,7 @@ def test_every_source_keeps_to_its_span():
 
 
 def test_the_span_of_a_picture_holds_across_its_edge():
-    base = plane(10.0, cells=4)
+    base = plane(10.0, cells=40)
     surface = Surface.from_arrays(base.vertices, base.faces, corner_uv=base.corner_uv * 3.3 - 1.4)
     field = image_field(surface, stream(5, "test").uniform(20, 9))
     points = random_points(surface, 20_000)

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.features.curves import ROW, curve_table
 from surftex.features.voronoi_graph import VoronoiGraph
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
-from surftex.materials.leather.curves import ROW, curve_table
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.features.curves import curve_pieces
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
@@ -17,7 +18,6 @@ from surftex.geodesics.records import Records
 from surftex.geodesics.windows import flood_points, nearest
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Cells
-from surftex.materials.leather.curves import curve_pieces
 from surftex.materials.leather.model import Leather
 from surftex.materials.leather.relief import Skeleton, layers
 from surftex.randomness import stream

@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.features.curves import ROW, curve_table
 from surftex.features.voronoi_graph import VoronoiGraph
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.pieces import CurvePieces, barycentric_of
 from surftex.geodesics.records import Records
 from surftex.geodesics.tracing import trace
 from surftex.geodesics.windows import nearest
-from surftex.materials.leather.curves import ROW, curve_table
 from surftex.randomness import Stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface

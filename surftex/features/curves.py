@@ -1,7 +1,7 @@
 """Rows of features for curves: straight pieces inside faces, in order along each curve."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from surftex.geodesics.pieces import CurvePieces, barycentric_of
 from surftex.surface.surface import Surface
@@ -19,7 +19,7 @@ ROW = np.dtype(
 """A piece: its face, both ends, its curve, the curve's length before it and in all."""
 
 
-def curve_table(surface: Surface, pieces: CurvePieces) -> NDArray:
+def curve_table(surface: Surface, pieces: CurvePieces, **per_curve: ArrayLike) -> NDArray:
     """Write curves as rows of features.
 
     Parameters
@@ -28,13 +28,18 @@ def curve_table(surface: Surface, pieces: CurvePieces) -> NDArray:
         Where the curves lie.
     pieces : CurvePieces
         p pieces.
+    **per_curve : float or (c,) float
+        Further columns, such as ``width_mm`` and ``depth_mm``: a number for all, or one for each number of a curve.
 
     Returns
     -------
     table : (p,) structured array
-        See `ROW`.
+        See `ROW`; the further columns follow, as float64.
     """
-    table = np.zeros(len(pieces), ROW)
+    table = np.zeros(len(pieces), np.dtype([*ROW.descr, *((name, "f8") for name in per_curve)]))
+    for name, value in per_curve.items():
+        numbers = np.asarray(value, np.float64)
+        table[name] = numbers if numbers.ndim == 0 else numbers[pieces.curve]
     table["face"], table["curve"], table["start_mm"] = pieces.face, pieces.curve, pieces.start_mm
     table["barycentric"] = barycentric_of(surface, pieces.face, pieces.start)
     table["end_barycentric"] = barycentric_of(surface, pieces.face, pieces.end)
