@@ -238,7 +238,7 @@ def _expected_pores(leather: Leather, surface: Surface, names: FieldSet) -> floa
 
 
 def _pore_field(names: FieldSet, density: str, group: int) -> SpannedField:
-    """Groups of pores per mm^2 at points."""
+    """Make the field of groups of pores per mm^2."""
     return names.scalar(f"clamp({density}, 0, {PORE_PER_MM2}) / {group}")
 
 
