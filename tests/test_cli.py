@@ -181,7 +181,7 @@ MISTAKES = [
     (["inspect", "."], "is a folder"),
     (["inspect", "bad.toml"], "unknown format '.toml'"),
     (["presets", "claf"], "did you mean calf?"),
-    (["cache"], "one of the arguments --warm --clear --where is required"),
+    (["cache"], "one of the arguments --warm --clear --where --size is required"),
     (["render", "ball.obj", "-o", "a.png", "--picture-size", "big"], "'big' is no size"),
     (["analyse", "none.exr"], "none.exr"),
 ]
@@ -340,8 +340,10 @@ def test_an_unexpected_failure_is_one_line_and_code_3(ball):
 
 
 def test_the_cache_is_told_and_emptied(tmp_path):
-    kept = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
-    assert surftex("cache", "--where", env=kept).stdout.strip() == str(tmp_path / "kernels")
+    kept = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kernels"), "SURFTEX_CACHE_DIR": str(tmp_path)}
+    where = surftex("cache", "--where", env=kept).stdout.split()
+    assert where == [str(tmp_path / "kernels"), str(tmp_path / "results")]
+    assert "0 results" in surftex("cache", "--size", env=kept).stdout
     script = (
         "import numpy as np; from surftex.fields.noise import Noise; from surftex.randomness import stream\n"
     )

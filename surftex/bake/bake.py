@@ -111,6 +111,7 @@ def run(
     threads: int | None = None,
     tile: int | None = None,
     progress: Progress | None = None,
+    remember: bool = False,
 ) -> "Baked":
     """Bake a recipe, and keep the patterns beside the maps.
 
@@ -128,6 +129,8 @@ def run(
         As for `bake`.
     progress : callable, optional
         As for `bake`.
+    remember : bool
+        Take unwrap and features from the user's cache folder where an earlier run left them, and leave them there.
 
     Returns
     -------
@@ -146,7 +149,7 @@ def run(
     if tile is not None and tile < 1:
         raise InputError(f"tile is {tile}; it takes at least 1 row")
     try:
-        return _bake(subject, recipe, features, threads, tile, Stages(progress))
+        return _bake(subject, recipe, features, threads, tile, Stages(progress), remember=remember)
     except MemoryError:
         side = recipe.bake.resolution
         raise WorkError(
@@ -155,11 +158,13 @@ def run(
 
 
 def _bake(
-    subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages
-) -> "Baked":
+    subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages,
+    *, remember: bool,
+) -> "Baked":  # fmt: skip
     from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
+    from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
     from surftex.bake.stack import place_stack
     from surftex.bake.unwrapping import Unwrapping
@@ -170,9 +175,13 @@ def _bake(
         surface = _surface(subject, recipe)
         given = _features(features)
         fields = make_fields(recipe, surface)
-    with Unwrapping(surface, settings, stages, threads) as unwrapping:
+    key = features_key(recipe, surface) if remember and given is None else None
+    with Unwrapping(surface, settings, stages, threads, remember=remember) as unwrapping:
         with stages.stage("place") as tick:
-            stack = place_stack(recipe, surface, fields, features=given, threads=threads, tick=tick)
+            known = given if key is None else remembered_features(key)
+            stack = place_stack(recipe, surface, fields, features=known, threads=threads, tick=tick)
+        if key is not None and known is None:
+            remember_features(key, stack.features)
         maps = chosen_maps(stack, settings.maps)
         atlas = unwrapping.atlas()
     with stages.stage("bake") as tick:

@@ -295,7 +295,7 @@ def _bake_into(recipe: Recipe, task: Task, folder: Path) -> None:
     from surftex.bake.bake import run
     from surftex.bake.saving import save
 
-    baked = run(recipe, threads=task.threads)
+    baked = run(recipe, threads=task.threads, remember=True)
     report = {**baked.maps.report, "recipe": task.recipe.written_out(), "job_key": task.key}
     maps = replace(baked.maps, report=report)
     save(replace(baked, maps=maps), folder, overwrite=task.overwrite, threads=task.threads)

@@ -4,6 +4,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from threading import Event
 from typing import Any
 
+from surftex.bake.remembering import remembered_unwrap
 from surftex.bake.stages import Stages
 from surftex.charts.atlas import Atlas
 from surftex.errors import InputError
@@ -27,11 +28,15 @@ class Unwrapping:
         Where its time is noted.
     threads : int, optional
         None means every core.
+    remember : bool
+        Take the unwrap of an earlier run where there is one, and keep this one.
     """
 
     def __init__(
-        self, surface: Surface, settings: BakeSettings, stages: Stages, threads: int | None = None
-    ) -> None:
+        self, surface: Surface, settings: BakeSettings, stages: Stages, threads: int | None = None,
+        *, remember: bool = False,
+    ) -> None:  # fmt: skip
+        self.remember = remember
         self.surface, self.settings, self.stages, self.threads = surface, settings, stages, threads
         self.cancelled = Event()
         self.pool: ThreadPoolExecutor | None = None
@@ -91,10 +96,13 @@ class Unwrapping:
                     raise InterruptedError
                 tick(share)
 
-            return unwrap(
-                self.surface,
-                method=self.settings.unwrapper,
-                resolution=self.settings.resolution,
-                gutter_px=self.settings.gutter,
-                tick=told,
-            )
+            def work() -> Atlas:
+                return unwrap(
+                    self.surface,
+                    method=self.settings.unwrapper,
+                    resolution=self.settings.resolution,
+                    gutter_px=self.settings.gutter,
+                    tick=told,
+                )
+
+            return remembered_unwrap(self.surface, self.settings, work) if self.remember else work()

@@ -44,8 +44,9 @@ def run(options: Namespace) -> None:
     threads = options.threads
     with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
         baked = bake_run(
-            recipe, features=options.features, threads=threads, tile=options.tile, progress=watch
-        )
+            recipe, features=options.features, threads=threads, tile=options.tile, progress=watch,
+            remember=options.cache,
+        )  # fmt: skip
         paths = save(baked, folder, overwrite=options.overwrite, threads=threads, progress=watch)
     store.mark_warm()
     report = json.loads((folder / "report.json").read_text("utf-8"))

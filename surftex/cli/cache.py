@@ -1,14 +1,15 @@
-"""``surftex cache``: the compiled kernels that make the second bake faster than the first."""
+"""``surftex cache``: compiled kernels, unwraps and features, which make the second bake faster than the first."""
 
 import time
 from argparse import Namespace
 
 from surftex.cli.say import note, out
+from surftex.files import shelf
 from surftex.kernels import store
 
 
 def run(options: Namespace) -> None:
-    """Say where the kernels are kept, delete them, or compile them all.
+    """Say where and how much is kept, delete it, or compile all kernels.
 
     Parameters
     ----------
@@ -16,12 +17,18 @@ def run(options: Namespace) -> None:
         From the command line.
     """
     if options.where:
-        out(str(store.folder()))
+        out(f"{store.folder()}\n{shelf.folder()}")
+        return
+    if options.size:
+        count, size = shelf.held()
+        out(
+            f"{shelf.folder()}: {count} results, {size / 1e6:.1f} MB of at most {shelf.MOST_BYTES / 1e6:.0f} MB"
+        )
         return
     if options.clear:
-        count = store.clear()
+        count, results = store.clear(), shelf.clear()
         if not options.quiet:
-            out(f"{store.folder()}: {count} files deleted")
+            out(f"{store.folder()}: {count} files deleted\n{shelf.folder()}: {results} files deleted")
         return
     started = time.perf_counter()
     if not store.is_warm() and not options.quiet:

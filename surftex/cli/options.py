@@ -110,13 +110,14 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     presets.add_argument("--json", action="store_true", help="as JSON")
     _analyse(command("analyse", "Spectrum, statistics and a section of a height map, as PNG and JSON."))
     _render(command("render", "Draw a still of a mesh or of a bake's GLB."))
-    cache = command("cache", "Look after the compiled kernels.")
+    cache = command("cache", "Look after the compiled kernels, and the unwraps and features that are kept.")
     action = cache.add_mutually_exclusive_group(required=True)
     action.add_argument(
         "--warm", action="store_true", help="compile everything now, as for a container image"
     )
-    action.add_argument("--clear", action="store_true", help="delete what is compiled")
-    action.add_argument("--where", action="store_true", help="print the folder")
+    action.add_argument("--clear", action="store_true", help="delete everything that is kept")
+    action.add_argument("--where", action="store_true", help="print the folders")
+    action.add_argument("--size", action="store_true", help="print how much is kept")
     for each in commands.values():
         _manner(each)
     return parser, commands
@@ -162,6 +163,10 @@ def _bake(parser: Parser) -> None:
     parser.add_argument(
         "--allow-outside", action="store_true", help="let a recipe name files outside its folder"
     )
+    parser.add_argument(
+        "--cache", action=argparse.BooleanOptionalAction, default=True,
+        help="take unwrap and features of an earlier bake from the cache (default: --cache)",
+    )  # fmt: skip
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier bake")
     parser.add_argument("--json", action="store_true", help="print the report on stdout")
 

@@ -1,0 +1,64 @@
+"""Unwraps and features of an earlier run: the same bytes, less work, and never those of something else."""
+
+import numpy as np
+import pytest
+
+import surftex.bake.remembering as remembering
+from surftex.bake.bake import run
+from surftex.files import shelf
+from surftex.materials.leather.model import Leather
+from surftex.recipe.model import Recipe
+from surftex.surface.shapes import sphere
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path, monkeypatch):
+    monkeypatch.setenv("SURFTEX_CACHE_DIR", str(tmp_path))
+
+
+def recipe(**changes):
+    seed = changes.pop("seed", 3)
+    leather = Leather.preset("calf", **{"cell_size": 5.0, "wrinkle_density": 0.0, **changes})
+    return Recipe.of(leather, resolution=64, seed=seed, maps=("height",))
+
+
+def height(which, surface=None, **options):
+    return run(which, surface or sphere(15.0, subdivisions=2), **options).maps["height"]
+
+
+def test_remembered_work_gives_the_same_bytes_and_is_not_done_again(monkeypatch):
+    fresh = height(recipe())
+    assert shelf.held()[0] == 0
+    first = height(recipe(), remember=True)
+    assert shelf.held()[0] == 2
+    monkeypatch.setattr(remembering.shelf, "keep", lambda *a: pytest.fail("kept again"))
+    monkeypatch.setattr("surftex.charts.unwrap.unwrap", lambda *a, **k: pytest.fail("unwrapped again"))
+    second = height(recipe(), remember=True)
+    np.testing.assert_array_equal(first, fresh)
+    np.testing.assert_array_equal(second, fresh)
+
+
+def test_another_seed_parameter_or_surface_is_something_else():
+    surface = sphere(15.0, subdivisions=2)
+    known = remembering.features_key(recipe(), surface)
+    others = [
+        remembering.features_key(recipe(seed=4), surface),
+        remembering.features_key(recipe(cell_size=5.1), surface),
+        remembering.features_key(recipe(), sphere(15.1, subdivisions=2)),
+    ]
+    assert remembering.features_key(recipe(), surface) == known
+    assert len({known, *others}) == 4
+
+
+def test_a_picture_that_a_field_reads_counts_by_its_bytes(tmp_path):
+    from surftex.files.images import png_bytes
+    from surftex.recipe.read import load_recipe
+
+    (tmp_path / "toe.png").write_bytes(png_bytes(np.zeros((4, 4, 3), np.uint8)))
+    (tmp_path / "r.toml").write_text(
+        '[fields]\ntoe = { image = "toe.png" }\n[[layer]]\npreset = "calf"\nmask = "toe"\n'
+    )
+    surface = sphere(15.0, subdivisions=2)
+    before = remembering.features_key(load_recipe(tmp_path / "r.toml"), surface)
+    (tmp_path / "toe.png").write_bytes(png_bytes(np.ones((4, 4, 3), np.uint8)))
+    assert remembering.features_key(load_recipe(tmp_path / "r.toml"), surface) != before
