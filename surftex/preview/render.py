@@ -16,10 +16,13 @@ from surftex.files.scene import Body
 from surftex.kernels.pool import slices
 from surftex.preview.bodies import bodies_of, factors_of, pyramid_of
 from surftex.preview.camera import UPS, Camera, camera_for
+from surftex.preview.section import blended
 from surftex.preview.shading import Lit, lit, shaded
 from surftex.preview.studio import Studio, lamps_of, studio_named
 
 _BAND, _CHUNK = 64, 200_000
+_FLOOR, _FLOOR_GRID = 3.0, 289
+"""Reach of the floor in radii of the subject, and lines of the grid on which its shadow is found."""
 
 
 def render(
@@ -86,8 +89,9 @@ def render(
     seen = np.unique(faces)
     fine = (size[0] * samples, size[1] * samples)
     camera = camera_for(vertices[seen], fine, view=view, zoom=zoom, target=target, up=up)
-    scene = lit(vertices, faces, studio, lamps_of(studio, camera.axes, UPS[up]), UPS[up])
     face, weight = _visible(camera.project(vertices)[faces], fine)
+    around = _facing(vertices, faces, face, camera) if studio.grazes else camera.axes
+    scene = lit(vertices, faces, studio, lamps_of(studio, around, UPS[up]), UPS[up])
     picture = np.broadcast_to(behind, (*face.shape, 3)).astype(np.float32).copy()
     if floor if floor is not None else (zoom <= 1.5 and camera.axes[2] @ UPS[up] > 0.02):
         _stand(picture, face, scene, camera, float((vertices[seen] @ UPS[up]).min()))
@@ -155,25 +159,58 @@ def _visible(
     return face, weight
 
 
+def _facing(
+    vertices: NDArray[np.float64], faces: NDArray[np.int32], face: NDArray[np.int32], camera: Camera
+) -> NDArray[np.float64]:
+    """Right, up and outward of what is seen in the middle of the picture, as rows."""
+    rows, columns = face.shape
+    middle = face[rows // 4 : -(rows // 4) or None, columns // 4 : -(columns // 4) or None]
+    seen, count = np.unique(middle[middle >= 0], return_counts=True)
+    if not len(seen):
+        return camera.axes
+    a, b, c = (vertices[faces[seen, k]] for k in range(3))
+    normal = _unit(np.cross(b - a, c - a))
+    normal *= np.where((normal * (camera.place - a)).sum(axis=1) < 0, -1.0, 1.0)[:, None]
+    out = _unit((normal * count[:, None]).sum(axis=0))
+    right = camera.axes[0] - (camera.axes[0] @ out) * out
+    right = _unit(right) if np.linalg.norm(right) > 1e-3 else _unit(np.cross(camera.axes[1], out))
+    return np.stack([right, np.cross(out, right), out])
+
+
 def _stand(
     picture: NDArray[np.float32], face: NDArray[np.int32], scene: Lit, camera: Camera, level: float
 ) -> None:
-    """Darken the background where a floor below would lie in shadow."""
+    """Darken the background where a floor below would lie in shadow, softly: the shadow is found on a grid."""
+    reach_mm = _FLOOR * 512 / scene.scale
+    side = _unit(np.cross(scene.up, camera.axes[2]))
+    across = np.stack([side, np.cross(side, scene.up)])
+    place = np.linspace(-reach_mm, reach_mm, _FLOOR_GRID)
+    base = scene.centre + (level - scene.centre @ scene.up) * scene.up
+    x, y = np.meshgrid(place, place)
+    point = base + x.reshape(-1, 1) * across[0] + y.reshape(-1, 1) * across[1]
+    normal = np.broadcast_to(scene.up.astype(np.float32), point.shape)
+    light, _ = scene.gather(point, normal, normal)
+    toward = np.maximum(scene.lamps.frame[:, 2] @ scene.up, 0) * scene.lamps.share
+    dark = 1 - np.clip(light.sum(axis=1) / max(float(toward.sum()), 1e-9), 0, 1)
+    dark = _softened(dark.reshape(x.shape)) * np.clip((_FLOOR - np.hypot(x, y) / reach_mm * _FLOOR) / 2, 0, 1)
     row, column = np.nonzero(face < 0)
     for first in range(0, len(row), _CHUNK):
         r, c = row[first : first + _CHUNK], column[first : first + _CHUNK]
         ray = camera.rays(c.astype(np.float64) + 0.5, r.astype(np.float64) + 0.5)
         down = ray @ scene.up
-        reach = (level - camera.place @ scene.up) / np.where(down < -1e-6, down, -1.0)
-        point = camera.place + reach[:, None] * ray
-        apart = np.linalg.norm(point - scene.centre, axis=1) * scene.scale / 512
-        hit = np.flatnonzero((down < -1e-6) & (apart < 3))
-        normal = np.broadcast_to(scene.up.astype(np.float32), (len(hit), 3))
-        light, _ = scene.gather(point[hit], normal, normal)
-        toward = np.maximum(scene.lamps.frame[:, 2] @ scene.up, 0) * scene.lamps.share
-        share = light.sum(axis=1) / max(float(toward.sum()), 1e-9)
-        fade = np.clip((3 - apart[hit]) / 2, 0, 1)
-        picture[r[hit], c[hit]] *= (1 - fade * (1 - np.clip(share, 0, 1)))[:, None].astype(np.float32)
+        way = (level - camera.place @ scene.up) / np.where(down < -1e-6, down, -1.0)
+        spot = (camera.place + way[:, None] * ray - base) @ across.T
+        hit = np.flatnonzero((down < -1e-6) & (np.abs(spot).max(axis=1) < reach_mm))
+        at = (spot[hit] / reach_mm + 1) / 2 * (_FLOOR_GRID - 1)
+        picture[r[hit], c[hit]] *= (1 - blended(dark, at))[:, None].astype(np.float32)
+
+
+def _softened(values: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Blur a little, along both axes."""
+    for _ in range(2):
+        wide = np.pad(values, ((1, 1), (0, 0)), "edge")
+        values = (0.25 * (wide[:-2] + wide[2:]) + 0.5 * wide[1:-1]).T
+    return values
 
 
 def _paint(
@@ -224,23 +261,23 @@ def _samples(
     """Shade samples of one body."""
     index = body.faces[face]
 
-    def blended(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def mixed(values: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.einsum("nk,nkc->nc", weight, values[index])
 
-    point = blended(body.vertices)
+    point = mixed(body.vertices)
     a, b, c = (body.vertices[index[:, k]] for k in range(3))
     facing = _unit(np.cross(b - a, c - a))
     to_eye = _unit(camera.place - point)
-    smooth = _unit(blended(body.normals)) if body.normals is not None else facing
+    smooth = _unit(mixed(body.normals)) if body.normals is not None else facing
     material = np.broadcast_to(factors_of(body), (len(face), 13)).copy()
     normal, pyramid = smooth, pyramid_of(body)
     if pyramid is not None and body.uv is not None:
-        material = pyramid.at(blended(body.uv), levels[face])
+        material = pyramid.at(mixed(body.uv), levels[face])
         local = material[:, 9:12]
         material[:, 12] = np.linalg.norm(local, axis=1)
-        raw = blended(body.normals) if body.normals is not None else facing
+        raw = mixed(body.normals) if body.normals is not None else facing
         if body.tangents is not None:
-            tangent, sign = blended(body.tangents[:, :3]), np.sign(body.tangents[index[:, 0], 3])[:, None]
+            tangent, sign = mixed(body.tangents[:, :3]), np.sign(body.tangents[index[:, 0], 3])[:, None]
         else:
             tangent, sign = _tangents(b - a, c - a, body.uv[index], raw)
         normal = _unit(
@@ -284,8 +321,8 @@ def _tangents(
     return _unit(tangent), sign
 
 
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-20)
+def _unit(vectors: NDArray[Any]) -> NDArray[np.float64]:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-20)
 
 
 def _color(value: str | ArrayLike) -> NDArray[np.float32]:

@@ -51,34 +51,38 @@ class Studio:
         Radiance of the floor.
     exposure : float
         Factor on everything.
+    grazes : bool
+        Whether the boxes stand around what is seen, wherever it faces, or around the camera.
     """
 
     boxes: tuple[SoftBox, ...]
     above: float
     below: float
     exposure: float = 1.0
+    grazes: bool = False
 
 
 STUDIOS = {
     "studio": Studio(
         (
-            SoftBox((-0.75, 0.85, 0.6), (0.42, 0.42), 0.80, (1.0, 0.97, 0.93), 5),
-            SoftBox((1.0, 0.25, 0.45), (0.35, 0.8), 0.24, (0.94, 0.97, 1.0), 3),
-            SoftBox((0.45, 0.55, -0.9), (0.25, 0.7), 0.42, (1.0, 1.0, 1.0), 3),
+            SoftBox((-0.72, 0.95, 0.62), (0.30, 0.30), 0.92, (1.0, 0.97, 0.93), 5),
+            SoftBox((1.0, 0.35, 0.30), (0.16, 0.8), 0.26, (0.95, 0.97, 1.0), 4),
+            SoftBox((0.40, 0.60, -0.9), (0.25, 0.7), 0.50, (1.0, 1.0, 1.0), 3),
         ),
-        above=0.30,
-        below=0.14,
+        above=0.24,
+        below=0.10,
     ),
     "raking": Studio(
         (
-            SoftBox((-1.0, 0.34, 0.20), (0.12, 0.18), 1.25, (1.0, 0.98, 0.95), 4),
-            SoftBox((0.7, 0.5, 0.8), (0.6, 0.6), 0.06, (0.95, 0.97, 1.0), 2),
+            SoftBox((-1.0, 0.34, 0.26), (0.12, 0.18), 1.9, (1.0, 0.98, 0.95), 4),
+            SoftBox((0.7, 0.5, 0.8), (0.6, 0.6), 0.08, (0.95, 0.97, 1.0), 2),
         ),
-        above=0.07,
-        below=0.04,
+        above=0.09,
+        below=0.05,
+        grazes=True,
     ),
 }
-"""Lights by name: ``studio`` flatters, ``raking`` grazes the side that the camera sees and shows its relief."""
+"""Lights by name: ``studio`` flatters, ``raking`` grazes what is seen and shows its relief."""
 
 
 def studio_named(light: "str | Studio") -> Studio:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from surftex.errors import RecipeError
 from surftex.features.uniform import area_points
@@ -9,6 +10,7 @@ from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
+from surftex.surface.closest import closest_points
 from surftex.surface.points import Samples
 from surftex.surface.shapes import plane, sphere
 
@@ -138,11 +140,44 @@ def test_cracks_follow_the_stress_and_taper():
 
 
 def test_pig_pores_stand_in_threes(ball):
-    pattern = Leather.preset("pig").place(ball, 5)
+    pattern = Leather.preset("pig", pore_spread=0.55, pore_density=0.55).place(ball, 5)
     place = sheet_points(ball, pattern.features["pore"]).reshape(-1, 3, 3)
     middle = place.mean(axis=1, keepdims=True)
     assert np.linalg.norm(place - middle, axis=2).max() < 1.3 * 0.55
     assert np.linalg.norm(place - middle, axis=2).min() > 0.6 * 0.55
+    # Three over 0.55 a square millimetre, in a full set of disks: no two groups nearer than 1.95 mm.
+    apart = np.linalg.norm(middle - middle[:, 0], axis=2)
+    assert np.sort(apart, axis=1)[:, 1].min() > 1.8
+    assert len(place) * 3 == pytest.approx(0.55 * ball.area_mm2, rel=0.06)
+
+
+def test_sizes_vary_in_patches():
+    sheet = plane(40.0, cells=16)
+    nearest = {}
+    for variation in (0.0, 0.6):
+        table = Leather(cell_size=1.0, size_variation=variation).place(sheet, 4).features["cell"]
+        place = sheet_points(sheet, table)[:, :2]
+        nearest[variation] = cKDTree(place).query(place, 2)[0][:, 1]
+    assert nearest[0.0].min() > 0.999
+    low, high = np.percentile(nearest[0.6], (5, 95))
+    assert 0.4 <= nearest[0.6].min() < low < 0.75
+    assert 1.3 < high < 1.8
+
+
+def test_plates_meet_without_a_step_where_their_furrow_is_faint():
+    """Height is continuous across borders, though plates differ in height and do not fall to the border there."""
+    sheet = plane(12.0, cells=8)
+    leather = Leather(cell_size=1.0, variation=1.0, sulcus_variation=1.0, sulcus_depth=0.0, crista_height=1.0)
+    pattern = leather.place(sheet, 4)
+    x = np.linspace(1, 11, 40_001)
+    place = np.stack([x, np.full_like(x, 6.1), np.zeros_like(x)], axis=1)
+    points, _ = closest_points(sheet, place)
+    layers = pattern.at(Samples(points, np.full(len(x), 1e-4, np.float32)))
+    height = layers["height_mm"]
+    border = np.flatnonzero(np.diff(layers["region"]))
+    assert len(border) >= 8
+    assert np.abs(np.diff(height))[border].max() < 0.01
+    assert np.ptp(height[border]) > 0.3
 
 
 def test_two_zones_of_anisotropy_meet():

@@ -59,6 +59,16 @@ def test_a_ball_is_lit_from_above_left_and_throws_a_shadow():
     np.testing.assert_array_equal(standing[:5], floating[:5])
 
 
+def test_raking_light_follows_what_is_seen():
+    """Both flanks of a ball, looked at from one place, are lit alike: the lamps stand around the flank."""
+    ball = sphere(30.0, subdivisions=4)
+    left, right = (
+        render(ball, **SMALL, view="front", light="raking", zoom=12, target=target).astype(float).mean()
+        for target in ((-22.0, 0, 20.0), (22.0, 0, 20.0))
+    )
+    assert left == pytest.approx(right, rel=0.2)  # 141 and 124; 124 and 35 with lamps around the camera
+
+
 def test_the_same_picture_twice():
     ball = sphere(30.0, subdivisions=2)
     np.testing.assert_array_equal(render(ball, **SMALL), render(ball, **SMALL))

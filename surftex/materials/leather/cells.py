@@ -17,8 +17,12 @@ from surftex.randomness import Stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
-NEIGHBOURS = 5
-"""Nearest sites that decide a plate: five are exact for Poisson-disk sites up to 5:3."""
+NEIGHBOURS = {"round": 5, "ellipse": 6, "box": 8}
+"""Nearest sites that decide a plate, by shape: five are exact for Poisson-disk sites up to 5:3; where another length
+than the way walked parts the cells, the nearest by one are not all among the nearest by the other."""
+
+_UNEVEN = 0.4
+"""Variation of size beyond which as many are asked for as for boxes: a large cell has many small neighbours."""
 
 REACH = 2.6
 """Radius of the search, in spacings: no point of a full surface has fewer than six sites nearer."""
@@ -72,6 +76,7 @@ class Cells:
     inscribed_mm: NDArray[np.float64]
     shift: NDArray[np.float64]
     shape: str
+    neighbours: int
     key: int
 
     @staticmethod
@@ -110,7 +115,7 @@ class Cells:
         """
         major, minor = table["major_mm"].astype(np.float64), table["minor_mm"].astype(np.float64)
         if records is None:
-            records = flood_cells(surface, table, threads, tick)
+            records = flood_cells(leather, surface, table, threads, tick)
         sites = records.sources
         stretch = major / minor
         angle = table["angle_rad"].astype(np.float64)
@@ -127,7 +132,8 @@ class Cells:
             records, frozen(major), frozen(stretch), frozen(angle), frozen(start), frozen(other), frozen(apart),
             frozen(sites.positions(surface)),
             frozen(np.where(np.isfinite(inscribed), inscribed, major)),
-            frozen(np.stack([np.cos(theta), np.sin(theta)], axis=1) * (major**2)[:, None]), leather.cell_shape, random.key,
+            frozen(np.stack([np.cos(theta), np.sin(theta)], axis=1) * (major**2)[:, None]),
+            leather.cell_shape, neighbours_of(leather), random.key,
         )  # fmt: skip
 
     def at(
@@ -153,7 +159,8 @@ class Cells:
 
         n = len(points)
         vectors = self.shape != "round" or leather.scale_overlap > 0
-        site, distance, *rest = nearest(self.records, points, NEIGHBOURS, vectors=vectors, threads=1)
+        most = self.neighbours
+        site, distance, *rest = nearest(self.records, points, most, vectors=vectors, threads=1)
         if self.shape != "round":
             index = np.maximum(site, 0)
             length = _length(self.shape, rest[0].reshape(-1, 2), index.ravel(), self.stretch, self.angle_rad)
@@ -165,7 +172,7 @@ class Cells:
             site, distance, self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
             int(leather.crista_shape == "polygon"),
             leather.rounding * size, np.uint64(self.key), 0.15 * size * (leather.sulcus_variation > 0),
-            np.zeros(NEIGHBOURS), np.zeros(NEIGHBOURS), np.zeros(_KEPT, np.int32), np.zeros(_KEPT),
+            np.zeros(most), np.zeros(most), np.zeros(_KEPT, np.int32), np.zeros(_KEPT),
             own, ratio, border, own_mm, furrow,
         )  # fmt: skip
         if leather.crista_shape == "inscribed":
@@ -179,13 +186,35 @@ class Cells:
         return Plates(own, ratio, border, own_mm, furrow, along)
 
 
+def neighbours_of(leather: Leather) -> int:
+    """Count the nearest sites that decide a plate.
+
+    Parameters
+    ----------
+    leather : Leather
+        What the cells are like.
+
+    Returns
+    -------
+    count : int
+        Sites to ask for.
+    """
+    return NEIGHBOURS["box" if leather.size_variation > _UNEVEN else leather.cell_shape]
+
+
 def flood_cells(
-    surface: Surface, table: NDArray, threads: int | None = None, tick: Tick | None = None
+    leather: Leather,
+    surface: Surface,
+    table: NDArray,
+    threads: int | None = None,
+    tick: Tick | None = None,
 ) -> Records:
     """Flood from every cell's site, as far as the nearest few of any place.
 
     Parameters
     ----------
+    leather : Leather
+        What the cells are like.
     surface : Surface
         Where the cells lie.
     table : (c,) structured array
@@ -198,7 +227,7 @@ def flood_cells(
     Returns
     -------
     records : Records
-        For the `NEIGHBOURS` nearest sites.
+        For the nearest sites, as many as `neighbours_of` tells.
     """
     sites = SurfacePoints.trusted(
         np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
@@ -209,7 +238,7 @@ def flood_cells(
         sites,
         REACH * table["major_mm"].astype(np.float64),
         buckets=Buckets.of(surface, float(np.median(minor)) if len(minor) else 1.0),
-        bound_mm=nearest_bound(surface, sites, NEIGHBOURS),
+        bound_mm=nearest_bound(surface, sites, neighbours_of(leather)),
         threads=threads,
         tick=tick,
     )

@@ -37,6 +37,7 @@ class Leather(BaseModel):
     kind: Literal["leather"] = "leather"
 
     cell_size: LengthField = _field(0.85, "cells", "Least distance between neighbour cells.")
+    size_variation: Share = _field(0.0, "cells", "How much cells differ in size, in patches of a few cells.")
     cell_ratio: NumberField = _field(1.0, "cells", "Length of cells over their width; 1 is round.")
     direction: str | None = _field(
         None, "cells", "Direction field that cells are long in; smoothest without it."
@@ -89,7 +90,13 @@ class Leather(BaseModel):
     pocket_width: Length = _field(0.15, "pockets", "From the middle of a pocket to its rim.")
 
     pore_density: Amount | str = _field(0.0, "pores", "Pores per mm^2; an expression may mask them.")
-    pore_group: int = _field(1, "pores", "Pores that stand together: 1, or 3 as on pig.", ge=1, le=7)
+    pore_group: int = _field(
+        1,
+        "pores",
+        "Pores that stand together: 1, or 3 as on pig, then in groups that keep apart.",
+        ge=1,
+        le=7,
+    )
     pore_spread: Length = _field(0.3, "pores", "From the middle of a group to its pores.")
     pore_depth: Length = _field(0.03, "pores", "Of a pore.")
     pore_width: Length = _field(0.07, "pores", "From the middle of a pore to its rim.")

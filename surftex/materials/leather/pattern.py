@@ -184,7 +184,7 @@ class LeatherPattern:
         size = float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.0
         amount = _WAVE * self.leather.waviness
         first, second = (
-            amount * self._noise(name, 1.3 * size, 1, position, footprint_mm, amount)
+            amount * self._noise(name, 1.3 * size, 2, position, footprint_mm, amount)
             for name in ("wave a", "wave b")
         )
         return first, second

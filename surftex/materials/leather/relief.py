@@ -73,12 +73,13 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
     plates = skeleton.plates
     cell_visible = visible(skeleton.cell_mm, footprint_mm)
     variation = 1 + leather.variation * (2 * skeleton.level - 1) * cell_visible
-    crest = dome(plates.ratio, leather.crista_exponent, skeleton.cell_mm, footprint_mm)
-    height = leather.crista_height * variation * crest
+    # Where a furrow is faint its two plates run into one: they stay up at the border instead of falling to it.
+    share = 1 - leather.sulcus_variation * (0.5 + (plates.furrow - 0.5) * cell_visible)
+    rise = share * dome(plates.ratio, leather.crista_exponent, skeleton.cell_mm, footprint_mm)
+    crest = (1 - share + rise).astype(np.float32)
+    height = leather.crista_height * (1 - share + variation * rise)
     if leather.scale_overlap:
-        height += leather.scale_overlap * leather.crista_height * plates.along * crest * cell_visible
-
-    share = 1 - leather.sulcus_variation * plates.furrow
+        height += leather.scale_overlap * leather.crista_height * plates.along * rise * cell_visible
     furrow = valley(
         plates.border_mm, leather.sulcus_width * (0.5 + 0.5 * share), footprint_mm, dimension=1
     ) * share  # fmt: skip

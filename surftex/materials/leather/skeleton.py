@@ -12,6 +12,7 @@ from surftex.features.poisson import Sites, expected_sites, poisson_disk
 from surftex.features.relax import relaxed
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
+from surftex.fields.noise import Noise
 from surftex.fields.sources import SpannedField
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.records import Records
@@ -25,6 +26,12 @@ from surftex.surface.surface import Surface
 
 PORE_PER_MM2 = 400.0
 """Highest density of pores that an expression may reach."""
+
+_PATCH, _SPREAD = 4.0, 1.8
+"""Wavelength of the sizes in cells, and what makes noise reach -1 and 1 now and then."""
+
+_DISKS_PER_MM2 = 0.70
+"""Sites of a full surface, for a least distance of 1 mm."""
 
 
 def place(
@@ -73,7 +80,7 @@ def place(
     refuse_too_many(leather, surface, seed, names, max_features)
     direction = _direction(leather, surface, names)
     sites = poisson_disk(
-        surface, _number(names, leather.cell_size, "cell_size"), stream(seed, "leather", "cells"),
+        surface, _size(leather, surface, seed, names), stream(seed, "leather", "cells"),
         ratio=_number(names, leather.cell_ratio, "cell_ratio"), direction=direction, max_sites=max_features,
         threads=threads, tick=lambda share: told(0.5 * share),
     )  # fmt: skip
@@ -85,7 +92,7 @@ def place(
     features, records = {"cell": sites.features}, None
     count, cracked = _wrinkle_count(leather, surface, seed), leather.invasion != 0
     if len(sites) and (count or cracked or leather.pocket_depth > 0):
-        records = flood_cells(surface, features["cell"], threads)
+        records = flood_cells(leather, surface, features["cell"], threads)
         told(0.7)
         features |= _on_the_graph(leather, surface, seed, names, sites, records, direction, threads)
     told(0.9)
@@ -128,7 +135,7 @@ def refuse_too_many(
     RecipeError
         If about more would be placed; the message says how many of what, and what to change.
     """
-    spacing = _number(names, leather.cell_size, "cell_size")
+    spacing = _size(leather, surface, seed, names)
     expected = {
         "cells": expected_sites(surface, spacing, _number(names, leather.cell_ratio, "cell_ratio")),
         "pores": _expected_pores(leather, surface, names),
@@ -179,6 +186,24 @@ def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[
         except RecipeError as problem:
             raise RecipeError(f"leather.{key}: {problem}") from None
     return value
+
+
+def _size(
+    leather: Leather, surface: Surface, seed: int, names: FieldSet
+) -> float | Callable[[SurfacePoints], NDArray]:
+    """Size of the cells; where it varies, patches of larger and of smaller ones lie beside one another."""
+    size = _number(names, leather.cell_size, "cell_size")
+    if leather.size_variation == 0:
+        return size
+    measured = names.scalar(leather.cell_size)
+    typical = float(np.median(measured(scatter(surface, stream(seed, "leather", "typical size"), count=256))))
+    noise = Noise(stream(seed, "leather", "size"), max(_PATCH * typical, 1e-9), 2)
+
+    def varied(points: SurfacePoints) -> NDArray:
+        drift = np.clip(_SPREAD * noise.at(points.positions(surface)), -1, 1)
+        return measured(points) * (1 + leather.size_variation * drift)
+
+    return varied
 
 
 def _direction(leather: Leather, surface: Surface, names: FieldSet) -> DirectionField | None:
@@ -247,12 +272,19 @@ def _pores(
 ) -> SurfacePoints:
     """Pores, alone or in groups, by area; a mask thins them and moves none."""
     random = stream(seed, "leather", "pores")
-    group = leather.pore_group
-    density = leather.pore_density
-    shared = _pore_field(names, density, group) if isinstance(density, str) else density / group
-    middle = scatter(surface, random, density_per_mm2=shared)
+    group, density = leather.pore_group, leather.pore_density
+    field = _pore_field(names, density, group) if isinstance(density, str) else None
+    groups: float | SpannedField = float(density) / group if field is None else field
     if group == 1:
-        return middle
+        return scatter(surface, random, density_per_mm2=groups)
+    most = float(density) / group if field is None else max(float(np.max(field.span()[1])), 0.0)
+    if most <= 0:
+        return SurfacePoints.trusted(np.zeros(0, np.int32), np.zeros((0, 3)))
+    apart = float(np.sqrt(_DISKS_PER_MM2 / most))
+    middle = poisson_disk(surface, apart, random, threads=threads).points
+    if field is not None:
+        kept = stream(seed, "leather", "pore share").uniform(len(middle))[:, 0] < field(middle) / most
+        middle = SurfacePoints.trusted(middle.face[kept], middle.barycentric[kept])
     numbers = stream(seed, "leather", "pore groups").uniform(len(middle), 2)
     heading = (numbers[:, :1] + np.arange(group) / group) * 2 * np.pi
     away = leather.pore_spread * (0.8 + 0.4 * numbers[:, 1:]) * np.ones(group)
