@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from surftex.geodesics.distance import geodesic_distance
     from surftex.maps.mapset import MapSet
     from surftex.materials.leather.model import Leather
+    from surftex.materials.skin.model import Skin
     from surftex.recipe.model import Recipe
     from surftex.surface import shapes
     from surftex.surface.points import Samples, SurfacePoints
@@ -40,6 +41,7 @@ _HOME = {
     "Recipe": "surftex.recipe.model",
     "RecipeError": "surftex.errors",
     "Samples": "surftex.surface.points",
+    "Skin": "surftex.materials.skin.model",
     "Surface": "surftex.surface.surface",
     "SurfaceError": "surftex.errors",
     "SurfacePoints": "surftex.surface.points",
@@ -68,6 +70,7 @@ __all__ = [
     "Recipe",
     "RecipeError",
     "Samples",
+    "Skin",
     "Surface",
     "SurfaceError",
     "SurfacePoints",

@@ -19,7 +19,7 @@ from surftex.charts.fill import nearest_mapped
 from surftex.charts.texels import Texels, default_gutter_px, texels
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
-from surftex.materials.layers import CHANNELS
+from surftex.materials.layers import CHANNELS, RAW
 from surftex.surface.surface import Surface
 
 TILE_TEXELS = 1 << 22
@@ -72,13 +72,13 @@ def chosen_maps(stack: Stack, asked: tuple[str, ...] | None) -> tuple[str, ...]:
         If no layer writes what a map needs.
     """
     channels = stack.channels
-    made = [channel for channel in channels if channel not in ("height_mm", "region")]
+    made = [channel for channel in channels if channel != "height_mm" and channel not in RAW]
     made += ["normal", "height"] if "height_mm" in channels else []
     if asked is None:
         return tuple(made)
     for name in asked:
         if _CHANNEL_OF.get(name, name) not in channels:
-            extra = ["ambient_occlusion"] * ("height_mm" in channels) + ["region"] * ("region" in channels)
+            extra = ["ambient_occlusion"] * ("height_mm" in channels) + [name for name in RAW if name in channels]
             raise InputError(f"no layer makes the map {name!r}; these layers make {', '.join(made + extra)}")
     return asked
 

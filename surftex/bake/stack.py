@@ -25,7 +25,7 @@ _OTHER_LAYER = re.compile(r"layer\d+_")
 BARE: Mapping[str, float] = {
     "height_mm": 0.0, "base_color": 0.5, "roughness": 0.5, "specular": 0.5, "metallic": 0.0, "region": -1,
 }  # fmt: skip
-"""What shows where no layer covers."""
+"""What shows where no layer covers; 0 for all other channels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ class Stack:
         values: dict[str, NDArray[Any]] = {}
         for channel in channels:
             shape = (count,) if CHANNELS[channel] == 1 else (count, CHANNELS[channel])
-            values[channel] = np.full(shape, BARE[channel], np.int32 if channel == "region" else np.float32)
+            values[channel] = np.full(shape, BARE.get(channel, 0), np.int32 if channel == "region" else np.float32)
         for pattern, mask in zip(self.patterns, self.masks, strict=True):
             layers = pattern.at(samples)
             cover = None

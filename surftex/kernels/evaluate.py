@@ -55,3 +55,23 @@ def leaving_direction(kind, row, r, x, y):
     if norm == 0:
         return 1.0, 0.0
     return (c * dx - s * dy) / norm, (s * dx + c * dy) / norm
+
+
+@part
+def place_on_curve(kind, row, r, tangent, q, x, y):
+    """Find where on primitive q of a curve the path of row r to (x, y) leaves it: mm from its start; to its left or not.
+
+    tangent (p, 2): direction of the curve at each cap.
+    """
+    if kind <= 1:
+        c, s = leaving_direction(kind, row, r, x, y)
+        return 0.0, tangent[q, 0] * s - tangent[q, 1] * c >= 0
+    if kind == 4 or kind == 5:
+        return max(row[r, 7], 0.0), kind == 4
+    nx, ny = row[r, 7], row[r, 8]
+    if kind == 3:
+        nx, ny = -nx, -ny
+    a = (row[r, 2] - row[r, 0]) * ny - (row[r, 3] - row[r, 1]) * nx
+    b = (row[r, 4] - row[r, 0]) * ny - (row[r, 5] - row[r, 1]) * nx
+    ahead = min(max((x - row[r, 0]) * ny - (y - row[r, 1]) * nx, min(a, b)), max(a, b))
+    return max(ahead, 0.0), kind == 2 or (kind == 6 and (x - row[r, 0]) * nx + (y - row[r, 1]) * ny >= 0)

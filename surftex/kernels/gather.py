@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from surftex.kernels.buckets import bucket_of
-from surftex.kernels.evaluate import distance_to, leaving_direction
+from surftex.kernels.evaluate import distance_to, leaving_direction, place_on_curve
 from surftex.kernels.jit import kernel
 
 
@@ -168,24 +168,8 @@ def nearest_place(
             continue
         r = found
         q = row_id[r, 1]
-        kind = row_id[r, 2]
         distance[i] = best
         piece[i] = piece_of[q]
-        ahead = 0.0
-        left = True
-        if kind <= 1:
-            c, s = leaving_direction(kind, row, r, x, y)
-            left = tangent[q, 0] * s - tangent[q, 1] * c >= 0
-        elif kind == 4 or kind == 5:
-            ahead = row[r, 7]
-            left = kind == 4
-        else:
-            nx, ny = row[r, 7], row[r, 8]
-            if kind == 3:
-                nx, ny = -nx, -ny
-            a = (row[r, 2] - row[r, 0]) * ny - (row[r, 3] - row[r, 1]) * nx
-            b = (row[r, 4] - row[r, 0]) * ny - (row[r, 5] - row[r, 1]) * nx
-            ahead = min(max((x - row[r, 0]) * ny - (y - row[r, 1]) * nx, min(a, b)), max(a, b))
-            left = kind == 2 or (kind == 6 and (x - row[r, 0]) * nx + (y - row[r, 1]) * ny >= 0)
-        along[i] = along_of[q] + max(ahead, 0.0)
+        ahead, left = place_on_curve(row_id[r, 2], row, r, tangent, q, x, y)
+        along[i] = along_of[q] + ahead
         side[i] = 1 if left else -1

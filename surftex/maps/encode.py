@@ -22,6 +22,7 @@ _CODES: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
     "ambient_occlusion": unit_codes,
     "specular": unit_codes,
     "metallic": unit_codes,
+    "subsurface": unit_codes,
 }
 
 

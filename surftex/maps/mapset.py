@@ -28,10 +28,12 @@ MAPS = {
     "specular": "(h, w) F0 / 0.08, 0 to 1; 8-bit PNG",
     "metallic": "(h, w) 0 to 1; 8-bit PNG",
     "region": "(h, w) int32, -1 = none; 32-bit EXR",
+    "subsurface": "(h, w) share of light that enters, 0 to 1; 8-bit PNG",
+    "subsurface_radius_mm": "(h, w, 3) mm, mean way of red, green and blue below the surface; 32-bit EXR",
 }
 """Maps that every viewer knows. Other names are raw parameters: 32-bit EXR of (h, w) or (h, w, 3) numbers."""
 
-_COLOURS = {"base_color", "normal"}
+_COLOURS = {"base_color", "normal", "subsurface_radius_mm"}
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,23 @@ CHANNELS = {
     "specular": 1,
     "metallic": 1,
     "region": 1,
+    "subsurface": 1,
+    "subsurface_radius_mm": 3,
+    "pheomelanin": 1,
+    "blood": 1,
+    "melanin": 1,
+    "oxygenation": 1,
+    "stratum_corneum_mm": 1,
+    "epidermis_mm": 1,
+    "hair": 1,
+    "sebum": 1,
 }
 """Channels that maps know, and how many numbers each has. Colour is linear sRGB; `region` is int32, -1 for none."""
+
+RAW = (
+    "region", "pheomelanin", "blood", "melanin", "oxygenation", "stratum_corneum_mm", "epidermis_mm", "hair", "sebum",
+)  # fmt: skip
+"""Channels that are baked only when they are asked for: what a look is made of, not what a renderer is told."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,3 +71,9 @@ Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 Color = Annotated[tuple[Share, Share, Share], BeforeValidator(_color)]
 """Linear sRGB; text is '#rrggbb' as screens show it."""
+
+LengthRange = tuple[Length, Length]
+"""Two lengths: least and greatest of a uniform draw, or mean and standard deviation of a normal one."""
+
+AmountRange = tuple[Amount, Amount]
+"""Least and greatest of a uniform draw."""

@@ -22,7 +22,10 @@ from surftex.recipe.hints import nearest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-MATERIALS: "Mapping[str, tuple[str, str]]" = {"leather": ("surftex.materials.leather.model", "Leather")}
+MATERIALS: "Mapping[str, tuple[str, str]]" = {
+    "leather": ("surftex.materials.leather.model", "Leather"),
+    "skin": ("surftex.materials.skin.model", "Skin"),
+}
 """Name of each material, and where its class is."""
 
 

@@ -18,7 +18,11 @@ from surftex.errors import RecipeError
 from surftex.recipe.fields import FieldEntry, PositiveMillimetres
 from surftex.recipe.layer import Layer
 
-MAPS = ("base_color", "roughness", "metallic", "specular", "normal", "height", "ambient_occlusion", "region")
+MAPS = (
+    "base_color", "roughness", "metallic", "specular", "subsurface", "subsurface_radius_mm", "normal", "height",
+    "ambient_occlusion", "region", "pheomelanin", "blood", "melanin", "oxygenation", "stratum_corneum_mm", "epidermis_mm",
+    "hair", "sebum",
+)  # fmt: skip
 """Maps that can be asked for."""
 
 

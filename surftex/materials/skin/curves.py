@@ -1,0 +1,108 @@
+"""Curves of one kind on a surface: flooded once, then every curve that reaches a sample creases it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.arrays import frozen, read_only_view
+from surftex.fields.splines import Profile, profile_table
+from surftex.geodesics.curves import flood_curves
+from surftex.geodesics.reaching import Reaching
+from surftex.geodesics.records import CurveRecords
+from surftex.materials.leather.curves import curve_pieces
+from surftex.surface.points import Samples
+from surftex.surface.surface import Surface
+
+_VARIANCE = 1 / 12
+_FOLD = 3.0
+"""Width of a fold, in widths of its groove."""
+
+
+@dataclass(frozen=True, eq=False)
+class CurveKind:
+    """The curves of one kind; make it with `CurveKind.build`.
+
+    Attributes
+    ----------
+    reaching : Reaching
+        What reaches which part of the surface.
+    curve : (c, 5) float64
+        Length, half width, depth, height of the fold and its side of each curve.
+    table : (2, p) float32
+        Profiles of groove and fold.
+    spread : float
+        Squared width that a squared footprint adds.
+    """
+
+    reaching: Reaching
+    curve: NDArray[np.float64]
+    table: NDArray[np.float32]
+    spread: float
+
+    @staticmethod
+    def build(
+        surface: Surface, features: NDArray, profile: Profile, fold: float, threads: int | None
+    ) -> "CurveKind":
+        """Flood from curves that are placed.
+
+        Parameters
+        ----------
+        surface : Surface
+            Where they lie.
+        features : (p,) structured array
+            See `surftex.materials.skin.lines.LINE`; p > 0.
+        profile : Profile
+            Of the groove, from its floor to its rim.
+        fold : float
+            Height of the fold, as a share of the depth.
+        threads : int, optional
+            None means every core.
+
+        Returns
+        -------
+        kind : CurveKind
+            Ready to be asked.
+        """
+        features = features[np.argsort(features["curve"], kind="stable")]
+        count = int(features["curve"].max()) + 1
+        curve = np.zeros((count, 5))
+        who = features["curve"]
+        for i, column in enumerate(("length_mm", "width_mm", "depth_mm")):
+            curve[who, i] = np.maximum(features[column], 1e-9)
+        curve[:, 3] = fold * curve[:, 2]
+        curve[who, 4] = features["side"]
+        table = np.stack([profile_table(profile), profile_table("fold")])
+        x = np.linspace(0, 1, table.shape[1])
+        spread = _VARIANCE / max(float((x * x * table[0]).sum() / table[0].sum()), 1e-3)
+        width = np.maximum(curve[:, 1], 1e-9)
+        reach = np.sqrt(((_FOLD if fold > 0 else 1.0) * width) ** 2 + spread * width**2)
+        records = flood_curves(surface, curve_pieces(surface, features), reach, threads=threads)
+        return CurveKind(Reaching.of(records), frozen(curve), frozen(table), spread)
+
+    def at(self, samples: Samples) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Measure what the curves do to samples.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        depth : (n,) float32
+            Of the grooves, in the unit of `depth_mm`; where curves cross, a smooth greatest.
+        raised : (n,) float32
+            Of the folds beside them.
+        """
+        from surftex.kernels.blend import blend_curves
+
+        records = self.reaching.records
+        assert isinstance(records, CurveRecords)
+        depth, raised = np.zeros(len(samples), np.float32), np.zeros(len(samples), np.float32)
+        blend_curves(
+            0, len(samples), *self.reaching.place(samples.points), records.source_of, records.limit_mm,
+            records.along_mm, records.tangent, read_only_view(samples.footprint_mm, np.float32), self.curve,
+            self.table, 0, 1, self.spread, depth, raised,
+        )  # fmt: skip
+        return depth, raised

@@ -1,0 +1,190 @@
+"""Curves of a skin: vessels that wander and fork, wrinkles that follow a direction; walked straight, step by step."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.features.uniform import scatter
+from surftex.fields.sources import Field
+from surftex.geodesics.directions import DirectionField
+from surftex.geodesics.tracing import trace
+from surftex.materials.leather.curves import ROW, curve_table
+from surftex.materials.skin.model import Skin
+from surftex.randomness import Stream, stream
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+LINE = np.dtype([*ROW.descr, ("width_mm", "f8"), ("depth_mm", "f8"), ("side", "f8")])
+"""A piece of a curve, with what its whole curve has in common; `side` is where its fold rises, 1 (left) or -1."""
+
+_STEPS = 14
+_FORK_RAD = 0.6
+
+
+def vessels(
+    skin: Skin, surface: Surface, where: Field | None, random: Stream, threads: int | None
+) -> NDArray:
+    """Grow vessels: trunks that wander, and fork into ever thinner branches.
+
+    Parameters
+    ----------
+    skin : Skin
+        How many, how long, how wide.
+    surface : Surface
+        Where.
+    where : Field, optional
+        How likely trunks start at points.
+    random : Stream
+        Of the vessels.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    table : (p,) structured array
+        See `LINE`.
+    """
+    points = _starts(surface, where, random, skin.vessel_count, skin.vessel_density)
+    count = len(points)
+    heading = 2 * np.pi * stream(random.key, "heading").uniform(count)[:, 0]
+    length, width = np.full(count, skin.vessel_length), np.full(count, skin.vessel_width)
+    parts: list[NDArray] = []
+    for generation in range(skin.vessel_branches + 1):
+        if not len(points) or skin.vessel_length <= 0:
+            break
+        own = stream(random.key, "generation", generation)
+        turn = np.radians(skin.vessel_wander) * (2 * own.uniform(len(points) * _STEPS)[:, 0] - 1)
+        turns = turn.reshape(_STEPS, len(points))
+        table, places, headings = _walked(
+            surface, points, heading, length, lambda step, _points, angle, t=turns: angle + t[step], threads
+        )
+        parts.append(_line(table, width, np.zeros(len(points)), np.ones(len(points)), sum(map(_curves, parts))))
+        numbers = stream(random.key, "fork", generation).uniform(2 * len(points), 3)
+        parent = np.repeat(np.arange(len(points)), 2)
+        step = 2 + (numbers[:, 0] * (_STEPS - 4)).astype(np.int64)
+        kept = numbers[:, 2] < 0.8
+        parent, step, numbers = parent[kept], step[kept], numbers[kept]
+        fork = np.where(np.arange(2 * len(points))[kept] % 2, 1.0, -1.0) * _FORK_RAD * (0.6 + 0.8 * numbers[:, 1])
+        face = np.stack([place.face for place in places])
+        barycentric = np.stack([place.barycentric for place in places])
+        points = SurfacePoints.trusted(face[step, parent], barycentric[step, parent])
+        heading = np.stack(headings)[step, parent] + fork
+        length, width = 0.6 * length[parent], 0.7 * width[parent]
+    return np.concatenate([np.zeros(0, LINE), *parts])
+
+
+def wrinkles(
+    skin: Skin,
+    surface: Surface,
+    where: Field | None,
+    along: Callable[[], DirectionField],
+    random: Stream,
+    threads: int | None,
+) -> NDArray:
+    """Grow wrinkles along a direction field.
+
+    Parameters
+    ----------
+    skin : Skin
+        How many, how long, wide and deep.
+    surface : Surface
+        Where.
+    where : Field, optional
+        How likely they start at points.
+    along : callable
+        Gives the direction field, when there are any.
+    random : Stream
+        Of the wrinkles.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    table : (p,) structured array
+        See `LINE`.
+    """
+    points = _starts(surface, where, random, skin.wrinkle_count, skin.wrinkle_density)
+    count = len(points)
+    if not count:
+        return np.zeros(0, LINE)
+    numbers = stream(random.key, "size").uniform(count, 5)
+    length, width, depth = (
+        low + (high - low) * numbers[:, i]
+        for i, (low, high) in enumerate((skin.wrinkle_length, skin.wrinkle_width, skin.wrinkle_depth))
+    )
+    field = along()
+    start = field.at(points) + np.pi * (numbers[:, 3] < 0.5)
+
+    def onward(step: int, points: SurfacePoints, angle: NDArray) -> NDArray:
+        arm = 2 * np.pi / field.symmetry
+        target = field.at(points)
+        return target + arm * np.round((angle - target) / arm) if field.symmetry > 1 else _same_way(target, angle)
+
+    table, _, _ = _walked(surface, points, start, length, onward, threads)
+    return _line(table, width, depth, np.where(numbers[:, 4] < 0.5, 1.0, -1.0), 0)
+
+
+def _same_way(target: NDArray, angle: NDArray) -> NDArray:
+    return target + np.pi * np.round((angle - target) / np.pi)
+
+
+def _starts(
+    surface: Surface, where: Field | None, random: Stream, count: int, per_1000_mm2: float
+) -> SurfacePoints:
+    own = stream(random.key, "count"), stream(random.key, "density")
+    parts = [
+        scatter(surface, own[0], count=count, weight=where) if count else None,
+        scatter(surface, own[1], density_per_mm2=per_1000_mm2 / 1000, weight=where) if per_1000_mm2 else None,
+    ]
+    found = [part for part in parts if part is not None]
+    face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in found]])
+    return SurfacePoints.trusted(face, np.concatenate([np.zeros((0, 3)), *[part.barycentric for part in found]]))
+
+
+def _walked(
+    surface: Surface,
+    points: SurfacePoints,
+    angle: NDArray,
+    length: NDArray,
+    onward: Callable[[int, SurfacePoints, NDArray], NDArray],
+    threads: int | None,
+) -> tuple[NDArray, list[SurfacePoints], list[NDArray]]:
+    """Walk curves step by step: their rows, and where and how they went at every step."""
+    tables, places, headings = [], [points], [angle]
+    for step in range(_STEPS):
+        angle = onward(step, points, angle)
+        walk = trace(surface, points, angle, length / _STEPS, threads=threads)
+        tables.append(curve_table(surface, walk.pieces))
+        points, angle = walk.end, walk.angle_rad
+        places.append(points)
+        headings.append(angle)
+    done = np.zeros(len(length))
+    for table in tables:
+        own = np.bincount(table["curve"], weights=_piece_mm(surface, table), minlength=len(length))
+        table["start_mm"] += done[table["curve"]]
+        done = done + own
+    table = np.concatenate(tables)
+    table["length_mm"] = done[table["curve"]]
+    return table[np.argsort(table["curve"], kind="stable")], places, headings
+
+
+def _piece_mm(surface: Surface, table: NDArray) -> NDArray:
+    corner = surface.flat[table["face"]]
+    return np.linalg.norm(
+        np.einsum("pk,pki->pi", table["end_barycentric"] - table["barycentric"], corner), axis=1
+    )
+
+
+def _line(table: NDArray, width: NDArray, depth: NDArray, side: NDArray, first: int) -> NDArray:
+    result = np.zeros(len(table), LINE)
+    for name in ROW.names or ():
+        result[name] = table[name]
+    for name, value in (("width_mm", width), ("depth_mm", depth), ("side", side)):
+        result[name] = value[table["curve"]]
+    result["curve"] += first
+    return result
+
+
+def _curves(table: NDArray) -> int:
+    return int(table["curve"].max()) + 1 if len(table) else 0

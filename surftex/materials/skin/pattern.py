@@ -1,0 +1,202 @@
+"""`SkinPattern`: a skin placed on a surface, ready to answer at any sample."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.fields.fieldset import FieldSet
+from surftex.fields.furrows import FurrowNet
+from surftex.fields.profiles import valley, visible
+from surftex.materials.layers import Layers
+from surftex.materials.skin.baseline import Baseline
+from surftex.materials.skin.curves import CurveKind
+from surftex.materials.skin.kinds import STATE
+from surftex.materials.skin.model import Skin
+from surftex.materials.skin.placing import likelihood, tension
+from surftex.materials.skin.points import PointKind
+from surftex.materials.skin.two_pigments import lookup
+from surftex.randomness import stream
+from surftex.surface.points import Samples
+from surftex.surface.surface import Surface
+
+Float = NDArray[np.float32]
+
+BIOLOGY = STATE[:6]
+"""Entries of the state that are biology: each is a channel of its own."""
+
+CHANNELS = (
+    "height_mm", "base_color", "roughness", "specular", "subsurface", "subsurface_radius_mm", *BIOLOGY, "hair", "sebum",
+)  # fmt: skip
+
+_STRETCH = 1.2
+"""Length of the fields of the skin over their width, at full tension."""
+
+_FURROW_ROUGH, _HAIR_ROUGH = 0.08, 0.45
+
+
+@dataclass(frozen=True, eq=False)
+class SkinPattern:
+    """Skin on a surface; make one with `Skin.place`.
+
+    Attributes
+    ----------
+    skin : Skin
+        What it is like.
+    surface : Surface
+        Where it lies.
+    features : mapping of str to structured array
+        Everything placed, by kind.
+    """
+
+    skin: Skin
+    surface: Surface
+    features: Mapping[str, NDArray]
+    baseline: Baseline
+    points: tuple[PointKind, ...]
+    wrinkles: CurveKind | None
+    vessels: CurveKind | None
+    net: FurrowNet | None
+
+    channels = CHANNELS
+
+    @staticmethod
+    def build(
+        skin: Skin,
+        surface: Surface,
+        seed: int,
+        features: Mapping[str, NDArray],
+        names: FieldSet,
+        threads: int | None = None,
+    ) -> "SkinPattern":
+        """Flood from features that are placed already.
+
+        Parameters
+        ----------
+        skin : Skin
+            What it is like.
+        surface : Surface
+            Where it lies.
+        seed : int
+            Of the noise, the outlines and the furrows.
+        features : mapping of str to structured array
+            As `SkinPattern.features` has them.
+        names : FieldSet
+            Named numbers and directions.
+        threads : int, optional
+            None means every core.
+
+        Returns
+        -------
+        pattern : SkinPattern
+            Ready to answer.
+        """
+        points = tuple(
+            PointKind.build(
+                skin, surface, kind, features[kind], likelihood(skin, names, kind),
+                stream(seed, "skin", kind, "outline"), threads,
+            )
+            for kind in skin.order
+            if len(features.get(kind, ()))
+        )  # fmt: skip
+        curves = {
+            kind: CurveKind.build(surface, features[kind], profile, fold, threads)
+            for kind, profile, fold in (
+                ("wrinkle", skin.wrinkle_profile, skin.wrinkle_fold),
+                ("vessel", "dome", 0.0),
+            )
+            if len(features.get(kind, ()))
+        }
+        net = None
+        if skin.relief_depth > 0 or skin.relief_swell > 0 or skin.relief_secondary > 0:
+            angle = tension(skin, surface, names).angle_rad
+            stretch = 1 + (_STRETCH - 1) * skin.relief_tension
+            net = FurrowNet.over(
+                surface, angle, skin.relief_spacing, stretch, stream(seed, "skin", "relief")
+            )
+        return SkinPattern(
+            skin, surface, MappingProxyType(dict(features)), Baseline.build(skin, surface, seed, names), points,
+            curves.get("wrinkle"), curves.get("vessel"), net,
+        )  # fmt: skip
+
+    def at(self, samples: Samples) -> Layers:
+        """Evaluate at samples.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        layers : Layers
+            The channels named by `channels`.
+        """
+        position = samples.points.positions(self.surface)
+        state = self.baseline.at(samples, position)
+        column = {name: state[:, i] for i, name in enumerate(STATE)}
+        if self.vessels is not None:
+            added = self.vessels.at(samples)[0]
+            column["blood"] += added
+            share = added / np.maximum(column["blood"], 1e-9)
+            column["oxygenation"] += share * (self.skin.vessel_oxygenation - column["oxygenation"])
+        for kind in self.points:
+            kind.blend(samples, state)
+        height = column["height_mm"]
+        furrow = np.zeros(len(samples), np.float32)
+        if self.net is not None:
+            furrow, relief = self._relief(samples, position)
+            height += relief * column["relief"]
+        if self.wrinkles is not None:
+            depth, raised = self.wrinkles.at(samples)
+            height += raised - depth
+        return self._seen(column, furrow * column["relief"])
+
+    def _relief(self, samples: Samples, position: NDArray[np.float64]) -> tuple[Float, Float]:
+        """Furrows and fields of the microrelief: how deep in a furrow, and the height in mm."""
+        skin, net, footprint = self.skin, self.net, samples.footprint_mm
+        shown = visible(skin.relief_spacing, footprint)
+        if net is None or not shown.any():
+            return np.zeros(len(samples), np.float32), np.zeros(len(samples), np.float32)
+        border, along, inner = net.at(samples.points, position)
+        share = 1 - skin.relief_tension * (1 - along)
+        groove = np.maximum(
+            *(valley(border[:, i], skin.relief_width, footprint, dimension=1) * share[:, i] for i in (0, 1))
+        )
+        fine = valley(inner, 0.8 * skin.relief_width, footprint, dimension=1) * (1 - groove)
+        t = np.minimum(border.min(axis=1) / (0.5 * skin.relief_spacing), 1)
+        height = skin.relief_swell * t * (2 - t) - skin.relief_depth * groove - skin.relief_secondary * fine
+        return groove * shown, (height * shown).astype(np.float32)
+
+    def _seen(self, column: Mapping[str, Float], furrow: Float) -> Layers:
+        """Turn biology into what a renderer is told."""
+        skin = self.skin
+        biology = {name: column[name] for name in BIOLOGY if not name.endswith("_mm")}
+        appearance = lookup(
+            {
+                **biology,
+                "stratum_corneum_cm": column["stratum_corneum_mm"] / 10,
+                "epidermis_cm": column["epidermis_mm"] / 10,
+            }
+        )
+        hair = np.clip(column["hair"], 0, 1)
+        color = appearance.base_color + hair[:, None] * (
+            np.asarray(skin.follicle_color, np.float32) - appearance.base_color
+        )
+        rough = appearance.roughness * (1 - skin.sebum_polish * column["sebum"]) + _FURROW_ROUGH * furrow
+        rough = rough + hair * (_HAIR_ROUGH - rough)
+        return Layers(
+            {
+                "height_mm": column["height_mm"].copy(),
+                "base_color": np.clip(color, 0, 1).astype(np.float32),
+                "roughness": np.clip(rough, 0.04, 1).astype(np.float32),
+                "specular": appearance.specular,
+                "subsurface": appearance.subsurface_weight * (1 - hair),
+                "subsurface_radius_mm": appearance.subsurface_radius_mm,
+                **{name: column[name].copy() for name in BIOLOGY},
+                "hair": hair,
+                "sebum": column["sebum"].copy(),
+            }
+        )

@@ -1,0 +1,214 @@
+"""Placing a skin: points by likelihood and area, vessels that fork, wrinkles along a direction; a stream for each."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import RecipeError
+from surftex.features.uniform import scatter
+from surftex.fields.fieldset import FieldSet
+from surftex.fields.sources import Field
+from surftex.geodesics.directions import DirectionField
+from surftex.kernels.pool import Tick
+from surftex.materials.skin.kinds import KINDS, setting
+from surftex.materials.skin.lines import vessels, wrinkles
+from surftex.materials.skin.model import Skin
+from surftex.randomness import stream
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+
+def place(
+    skin: Skin,
+    surface: Surface,
+    seed: int,
+    *,
+    fields: FieldSet,
+    max_features: int,
+    threads: int | None,
+    tick: Tick | None,
+) -> dict[str, NDArray]:
+    """Place every feature.
+
+    Parameters
+    ----------
+    skin : Skin
+        What to place.
+    surface : Surface
+        Where.
+    seed : int
+        Of all streams.
+    fields : FieldSet
+        Named numbers and directions.
+    max_features : int
+        Refuse beyond it.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    features : dict of str to structured array
+        By kind; each row has `face` and `barycentric`.
+    """
+    _check_order(skin)
+    told = tick or (lambda share: None)
+    expected = {
+        kind: setting(skin, kind, "count") + setting(skin, kind, "density") * surface.area_mm2 for kind in KINDS
+    }
+    if sum(expected.values()) > max_features:
+        most = max(expected, key=lambda kind: expected[kind])
+        raise RecipeError(
+            f"skin: up to {sum(expected.values()):.0f} features on {surface.area_mm2:.0f} mm^2, most of them {most}s, are "
+            f"more than the {max_features} allowed; lower {most}_count or {most}_density, or raise --max-features"
+        )
+    features: dict[str, NDArray] = {}
+    for i, kind in enumerate(KINDS):
+        features[kind] = _points(skin, surface, seed, fields, kind)
+        told(0.8 * (i + 1) / len(KINDS))
+    where = likelihood(skin, fields, "vessel")
+    features["vessel"] = vessels(skin, surface, where, stream(seed, "skin", "vessel"), threads)
+    where = likelihood(skin, fields, "wrinkle")
+    along = _direction(fields, skin.wrinkle_direction)
+    features["wrinkle"] = wrinkles(skin, surface, where, along, stream(seed, "skin", "wrinkle"), threads)
+    told(1.0)
+    return {kind: table for kind, table in features.items() if len(table)}
+
+
+def likelihood(skin: Skin, fields: FieldSet, kind: str) -> Field | None:
+    """Read how likely features of a kind are.
+
+    Parameters
+    ----------
+    skin : Skin
+        The parameters.
+    fields : FieldSet
+        What expressions name.
+    kind : str
+        Such as ``freckle``.
+
+    Returns
+    -------
+    field : Field or None
+        Numbers from 0 to 1; None means 1 everywhere.
+
+    Raises
+    ------
+    RecipeError
+        If the expression is wrong; the message names the parameter.
+    """
+    value = setting(skin, kind, "where")
+    power = skin.freckle_gather if kind == "freckle" else 1.0
+    if value == 1:
+        return None
+    field = read(fields, value, f"{kind}_where")
+
+    def share(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+        likely = np.clip(field(points, footprint_mm), 0.0, 1.0)
+        return likely if power == 1 else likely**power
+
+    return share
+
+
+def read(fields: FieldSet, value: float | str, key: str) -> Field:
+    """Read a number or an expression.
+
+    Parameters
+    ----------
+    fields : FieldSet
+        What expressions name.
+    value : float or str
+        Of a parameter.
+    key : str
+        Its name, for the message.
+
+    Returns
+    -------
+    field : Field
+        Of points.
+
+    Raises
+    ------
+    RecipeError
+        If the expression is wrong; the message names the parameter.
+    """
+    try:
+        return fields.scalar(value)
+    except RecipeError as problem:
+        raise RecipeError(f"skin.{key}: {problem}") from None
+
+
+def tension(skin: Skin, surface: Surface, fields: FieldSet) -> DirectionField:
+    """Lines of tension of the skin: those asked for, or where the surface bends least.
+
+    Parameters
+    ----------
+    skin : Skin
+        The parameters.
+    surface : Surface
+        Where it lies.
+    fields : FieldSet
+        Named directions.
+
+    Returns
+    -------
+    direction : DirectionField
+        Only its line matters.
+    """
+    if skin.relief_direction is not None:
+        return fields.direction(skin.relief_direction)
+    return DirectionField.from_curvature(surface, "min")
+
+
+def _direction(fields: FieldSet, name: str | None) -> Callable[[], DirectionField]:
+    if name is not None:
+        return lambda: fields.direction(name)
+    return lambda: DirectionField.smoothest(fields.surface)
+
+
+def _points(skin: Skin, surface: Surface, seed: int, fields: FieldSet, kind: str) -> NDArray:
+    """Rows of one kind: a count and a density, thinned by its likelihood."""
+    where = likelihood(skin, fields, kind)
+    count, density = setting(skin, kind, "count"), setting(skin, kind, "density")
+    parts = []
+    try:
+        if count:
+            parts.append(scatter(surface, stream(seed, "skin", kind, "count"), count=count, weight=where))
+        if density:
+            random = stream(seed, "skin", kind, "density")
+            parts.append(scatter(surface, random, density_per_mm2=density, weight=where))
+    except RecipeError as problem:
+        raise RecipeError(f"skin.{kind}_where: {problem}") from None
+    face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in parts]])
+    barycentric = np.concatenate([np.zeros((0, 3)), *[part.barycentric for part in parts]])
+    columns = KINDS[kind].columns(skin, stream(seed, "skin", kind, "parameters"), len(face))
+    if KINDS[kind].lean(skin) != 1 and len(face):
+        points = SurfacePoints.trusted(face, barycentric)
+        columns["angle_rad"] = _lean_angle(skin, surface, seed, fields, kind, points)
+    names = [("face", "i4"), ("barycentric", "f8", 3), *[(name, "f4") for name in columns]]
+    table = np.zeros(len(face), np.dtype(names))
+    table["face"], table["barycentric"] = face, barycentric
+    for name, column in columns.items():
+        table[name] = column
+    return table
+
+
+def _lean_angle(
+    skin: Skin, surface: Surface, seed: int, fields: FieldSet, kind: str, points: SurfacePoints
+) -> NDArray[np.float64]:
+    """Long axis of each feature: hair lies along its field, pores along the tension, scars as they fell."""
+    if kind == "scar":
+        return 2 * np.pi * stream(seed, "skin", "scar", "direction").uniform(len(points))[:, 0]
+    if kind == "follicle":
+        name = skin.follicle_direction
+        field = fields.direction(name) if name else DirectionField.smoothest(surface)
+    else:
+        field = tension(skin, surface, fields)
+    return field.angle_rad[points.face]
+
+
+def _check_order(skin: Skin) -> None:
+    if sorted(skin.order) != sorted(KINDS):
+        raise RecipeError(f"skin.order lists {', '.join(skin.order)}; it takes each of {', '.join(KINDS)} once")
