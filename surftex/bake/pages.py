@@ -78,7 +78,9 @@ def chosen_maps(stack: Stack, asked: tuple[str, ...] | None) -> tuple[str, ...]:
         return tuple(made)
     for name in asked:
         if _CHANNEL_OF.get(name, name) not in channels:
-            extra = ["ambient_occlusion"] * ("height_mm" in channels) + [name for name in RAW if name in channels]
+            extra = ["ambient_occlusion"] * ("height_mm" in channels) + [
+                name for name in RAW if name in channels
+            ]
             raise InputError(f"no layer makes the map {name!r}; these layers make {', '.join(made + extra)}")
     return asked
 
@@ -185,7 +187,7 @@ def equalise_pages(
     for i, name in enumerate(names):
         image = pages.images[name]
         result = equalise(seam_samples(surface, atlas, image.shape[0]), image)
-        low, high = (0.0, np.inf) if name == "base_color" else (0.0, 1.0)
+        low, high = (0.0, np.inf) if name == "base_color" or name.endswith("_mm") else (0.0, 1.0)
         image[...] = result.image if name == "height" else np.clip(result.image, low, high)
         moved[name] = {
             "texels": result.moved_texels,

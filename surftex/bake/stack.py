@@ -77,7 +77,9 @@ class Stack:
         values: dict[str, NDArray[Any]] = {}
         for channel in channels:
             shape = (count,) if CHANNELS[channel] == 1 else (count, CHANNELS[channel])
-            values[channel] = np.full(shape, BARE.get(channel, 0), np.int32 if channel == "region" else np.float32)
+            values[channel] = np.full(
+                shape, BARE.get(channel, 0), np.int32 if channel == "region" else np.float32
+            )
         for pattern, mask in zip(self.patterns, self.masks, strict=True):
             layers = pattern.at(samples)
             cover = None

@@ -67,14 +67,19 @@ class FurrowNet:
             Ready to be asked.
         """
         along = (
-            np.cos(angle_rad)[:, None] * surface.frame[:, 0] + np.sin(angle_rad)[:, None] * surface.frame[:, 1]
+            np.cos(angle_rad)[:, None] * surface.frame[:, 0]
+            + np.sin(angle_rad)[:, None] * surface.frame[:, 1]
         )
         i, j = np.triu_indices(3)
         entries = (along[:, i] * along[:, j]) * surface.face_area_mm2[:, None]
         count = len(surface.vertices)
-        total = np.stack([np.bincount(surface.faces.ravel(), np.repeat(e, 3), count) for e in entries.T], axis=1)
+        total = np.stack(
+            [np.bincount(surface.faces.ravel(), np.repeat(e, 3), count) for e in entries.T], axis=1
+        )
         area = np.bincount(surface.faces.ravel(), np.repeat(surface.face_area_mm2, 3), count)
-        return FurrowNet(surface, frozen(total / np.maximum(area, 1e-300)[:, None]), spacing_mm, stretch, stream)
+        return FurrowNet(
+            surface, frozen(total / np.maximum(area, 1e-300)[:, None]), spacing_mm, stretch, stream
+        )
 
     def at(
         self, points: SurfacePoints, position: NDArray[np.float64]

@@ -52,15 +52,16 @@ def _checked(value: Any) -> Any:
     try:
         points = np.asarray(value, np.float64)
     except (ValueError, TypeError):
-        points = np.zeros(0)
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 4 or len(points) % 3 != 1:
+        points = np.zeros((0, 0))
+    shape = points.shape
+    if len(shape) != 2 or shape[-1] != 2 or shape[0] < 4 or shape[0] % 3 != 1:
         raise ValueError("a profile is a name, or control points [[x, y], ...]: 4, 7, 10, ... of them")
     if not np.isfinite(points).all() or np.abs(points).max() > 100:
         raise ValueError("control points of a profile are numbers from -100 to 100")
     x = points[:, 0]
     if x[0] != 0 or x[-1] != 1 or (np.diff(x) < 0).any():
         raise ValueError("control points of a profile run from x = 0 to x = 1 and never go back")
-    return tuple((float(a), float(b)) for a, b in points)
+    return tuple((float(point[0]), float(point[1])) for point in points)
 
 
 Profile = Annotated[str | tuple[tuple[float, float], ...], BeforeValidator(_checked)]

@@ -106,8 +106,8 @@ def blend_curves(
     """Let every curve that reaches samples [begin, end) crease them; where several do, the result is smooth.
 
     source_of (p,) int32, limit (p,), along_of (p,), tangent (p, 2): of each primitive. curve (c, 5) float64: length, greatest
-    half width, depth, height of the fold and its side, 1 or -1. table (t, p) float32: rows `crease` and `lift` are profiles of the
-    groove and of the fold, the latter three times as wide. spread: squared width that a squared footprint adds.
+    half width, depth, height of the fold and its side, 1 or -1. table (t, p) float32: rows `crease` and `lift` are profiles
+    of the groove and of the fold, the latter three times as wide. spread: squared width that a squared footprint adds.
     -> depth (n,), raised (n,) float32: root of the sum of fourth powers over the curves.
     """
     for i in range(begin, end):

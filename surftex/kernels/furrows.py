@@ -46,10 +46,10 @@ def _across(stretch, length, x, y, z, xx, xy, xz, yy, yz, zz):
 def furrow_net(begin, end, place, normal, tension, spacing, stretch, key, border, along, inner):
     """Locate samples [begin, end) in a net of cells with one random site per cube of the side `spacing`.
 
-    place, normal (n, 3) float64; tension (n, 6) float64: entries xx, xy, xz, yy, yz, zz of t t^T for the unit direction t of tension,
-    shorter where it is not clear. stretch: 0 for round cells, 1 - 1/s^2 for cells s times as long along it.
-    -> border (n, 2) float32: mm to the borders with the two nearest neighbours; along (n, 2) float32: how well those lie along the
-    tension, 0 to 1; inner (n,) float32: mm to the border between these neighbours.
+    place, normal (n, 3) float64; tension (n, 6) float64: entries xx, xy, xz, yy, yz, zz of t t^T for the unit direction t of
+    tension, shorter where it is not clear. stretch: 0 for round cells, 1 - 1/s^2 for cells s times as long along it.
+    -> border (n, 2) float32: mm to the borders with the two nearest neighbours; along (n, 2) float32: how well those lie
+    along the tension, 0 to 1; inner (n,) float32: mm to the border between these neighbours.
     """
     for i in range(begin, end):
         px, py, pz = place[i, 0] / spacing, place[i, 1] / spacing, place[i, 2] / spacing

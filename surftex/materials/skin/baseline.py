@@ -65,7 +65,9 @@ class Baseline:
         keys = (
             "melanin", "pheomelanin", "blood", "oxygenation", "flush_where", "lips_where", "relief_where", "sebum_where",
         )  # fmt: skip
-        fields = {key: read(names, getattr(skin, key), key) for key in keys if isinstance(getattr(skin, key), str)}
+        fields = {
+            key: read(names, getattr(skin, key), key) for key in keys if isinstance(getattr(skin, key), str)
+        }
         up = np.asarray(skin.up, np.float64)
         length = np.linalg.norm(up)
         facing = surface.vertex_normal @ (up / length if length > 0 else up)
@@ -115,7 +117,9 @@ class Baseline:
         for name in ("blood", "melanin"):
             column[name] *= np.exp(self._uneven(name, position, samples))
         if self.convex is not None:
-            stands_out = self.convex(samples.points, samples.footprint_mm) * self.number("flush_where", samples)
+            stands_out = self.convex(samples.points, samples.footprint_mm) * self.number(
+                "flush_where", samples
+            )
             column["blood"] *= 1 + skin.flush * stands_out.astype(np.float32)
         if skin.tan > 0:
             column["melanin"] *= 1 + skin.tan * self._facing_up(samples)

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import frozen, read_only_view
+from surftex.features.curves import curve_pieces
 from surftex.fields.splines import Profile, profile_table
 from surftex.geodesics.curves import flood_curves
 from surftex.geodesics.reaching import Reaching
 from surftex.geodesics.records import CurveRecords
-from surftex.materials.leather.curves import curve_pieces
 from surftex.surface.points import Samples
 from surftex.surface.surface import Surface
 
@@ -25,6 +25,8 @@ class CurveKind:
 
     Attributes
     ----------
+    records : CurveRecords
+        What was flooded.
     reaching : Reaching
         What reaches which part of the surface.
     curve : (c, 5) float64
@@ -35,6 +37,7 @@ class CurveKind:
         Squared width that a squared footprint adds.
     """
 
+    records: CurveRecords
     reaching: Reaching
     curve: NDArray[np.float64]
     table: NDArray[np.float32]
@@ -78,7 +81,7 @@ class CurveKind:
         width = np.maximum(curve[:, 1], 1e-9)
         reach = np.sqrt(((_FOLD if fold > 0 else 1.0) * width) ** 2 + spread * width**2)
         records = flood_curves(surface, curve_pieces(surface, features), reach, threads=threads)
-        return CurveKind(Reaching.of(records), frozen(curve), frozen(table), spread)
+        return CurveKind(records, Reaching.of(records), frozen(curve), frozen(table), spread)
 
     def at(self, samples: Samples) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Measure what the curves do to samples.
@@ -97,8 +100,7 @@ class CurveKind:
         """
         from surftex.kernels.blend import blend_curves
 
-        records = self.reaching.records
-        assert isinstance(records, CurveRecords)
+        records = self.records
         depth, raised = np.zeros(len(samples), np.float32), np.zeros(len(samples), np.float32)
         blend_curves(
             0, len(samples), *self.reaching.place(samples.points), records.source_of, records.limit_mm,

@@ -148,7 +148,7 @@ def _goose(skin: Skin, stream: Stream, count: int) -> Columns:
 
 
 def _hair_changes(skin: Skin) -> list[Change]:
-    """The shaft covers its disc; below the skin it shows ever less: 1 - 2 (sig(5 x) - 1/2) between both radii."""
+    """Cover the shaft's disc; below the skin it shows ever less: 1 - 2 (sig(5 x) - 1/2) between both radii."""
     x = np.linspace(0, 1, len(profile_table("disc")))
     inner = min(skin.follicle_shaft / max(skin.follicle_radius, 1e-9), 1.0)
     share = np.clip((x - inner) / max(1 - inner, 1e-9), 0, 1)
@@ -156,7 +156,7 @@ def _hair_changes(skin: Skin) -> list[Change]:
     shaft = np.clip((inner - x) * len(x) / 8 + 1, 0, 1)
     return [
         Change("blood", "lessen", skin.follicle_blood, profile_table("dome")),
-        Change("hair", "cover", skin.follicle_cover, (seen - seen[-1]).astype(np.float32)),
+        Change("hair", "cover", skin.follicle_cover, ((seen - seen[-1]) / (1 - seen[-1])).astype(np.float32)),
         Change("height_mm", "add", skin.follicle_height, shaft.astype(np.float32)),
     ]
 

@@ -1,15 +1,17 @@
-"""Curves of a skin: vessels that wander and fork, wrinkles that follow a direction; walked straight, step by step."""
+"""Curves of a skin: vessels that wander and fork, wrinkles that grow along a direction."""
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.features.curves import ROW, curve_table
+from surftex.features.growth import grow
 from surftex.features.uniform import scatter
+from surftex.fields.noise import Noise
 from surftex.fields.sources import Field
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
-from surftex.materials.leather.curves import ROW, curve_table
 from surftex.materials.skin.model import Skin
 from surftex.randomness import Stream, stream
 from surftex.surface.points import SurfacePoints
@@ -59,13 +61,22 @@ def vessels(
         table, places, headings = _walked(
             surface, points, heading, length, lambda step, _points, angle, t=turns: angle + t[step], threads
         )
-        parts.append(_line(table, width, np.zeros(len(points)), np.ones(len(points)), sum(map(_curves, parts))))
+        line = np.zeros(len(table), LINE)
+        for column in ROW.names or ():
+            line[column] = table[column]
+        line["width_mm"], line["depth_mm"], line["side"] = width[table["curve"]], skin.vessel_blood, 1.0
+        line["curve"] += sum(map(_curves, parts))
+        parts.append(line)
         numbers = stream(random.key, "fork", generation).uniform(2 * len(points), 3)
         parent = np.repeat(np.arange(len(points)), 2)
         step = 2 + (numbers[:, 0] * (_STEPS - 4)).astype(np.int64)
         kept = numbers[:, 2] < 0.8
         parent, step, numbers = parent[kept], step[kept], numbers[kept]
-        fork = np.where(np.arange(2 * len(points))[kept] % 2, 1.0, -1.0) * _FORK_RAD * (0.6 + 0.8 * numbers[:, 1])
+        fork = (
+            np.where(np.arange(2 * len(points))[kept] % 2, 1.0, -1.0)
+            * _FORK_RAD
+            * (0.6 + 0.8 * numbers[:, 1])
+        )
         face = np.stack([place.face for place in places])
         barycentric = np.stack([place.barycentric for place in places])
         points = SurfacePoints.trusted(face[step, parent], barycentric[step, parent])
@@ -108,25 +119,22 @@ def wrinkles(
     count = len(points)
     if not count:
         return np.zeros(0, LINE)
-    numbers = stream(random.key, "size").uniform(count, 5)
-    length, width, depth = (
+    field, (least, most) = along(), skin.wrinkle_length
+    noise = Noise(stream(random.key, "length"), max(2 * most, 1e-3))
+
+    def vectors(points: SurfacePoints) -> NDArray[np.float64]:
+        share = np.clip(0.5 + 0.8 * noise.at(points.positions(surface)).astype(np.float64), 0, 1)
+        angle = field.at(points)
+        return (least + (most - least) * share)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    numbers = stream(random.key, "size").uniform(count, 3)
+    width, depth = (
         low + (high - low) * numbers[:, i]
-        for i, (low, high) in enumerate((skin.wrinkle_length, skin.wrinkle_width, skin.wrinkle_depth))
+        for i, (low, high) in enumerate((skin.wrinkle_width, skin.wrinkle_depth))
     )
-    field = along()
-    start = field.at(points) + np.pi * (numbers[:, 3] < 0.5)
-
-    def onward(step: int, points: SurfacePoints, angle: NDArray) -> NDArray:
-        arm = 2 * np.pi / field.symmetry
-        target = field.at(points)
-        return target + arm * np.round((angle - target) / arm) if field.symmetry > 1 else _same_way(target, angle)
-
-    table, _, _ = _walked(surface, points, start, length, onward, threads)
-    return _line(table, width, depth, np.where(numbers[:, 4] < 0.5, 1.0, -1.0), 0)
-
-
-def _same_way(target: NDArray, angle: NDArray) -> NDArray:
-    return target + np.pi * np.round((angle - target) / np.pi)
+    side = np.where(numbers[:, 2] < 0.5, 1.0, -1.0)
+    pieces = grow(surface, points, vectors, threads=threads)
+    return curve_table(surface, pieces, width_mm=width, depth_mm=depth, side=side)
 
 
 def _starts(
@@ -139,7 +147,9 @@ def _starts(
     ]
     found = [part for part in parts if part is not None]
     face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in found]])
-    return SurfacePoints.trusted(face, np.concatenate([np.zeros((0, 3)), *[part.barycentric for part in found]]))
+    return SurfacePoints.trusted(
+        face, np.concatenate([np.zeros((0, 3)), *[part.barycentric for part in found]])
+    )
 
 
 def _walked(
@@ -169,21 +179,11 @@ def _walked(
     return table[np.argsort(table["curve"], kind="stable")], places, headings
 
 
-def _piece_mm(surface: Surface, table: NDArray) -> NDArray:
+def _piece_mm(surface: Surface, table: NDArray) -> NDArray[np.floating]:
     corner = surface.flat[table["face"]]
     return np.linalg.norm(
         np.einsum("pk,pki->pi", table["end_barycentric"] - table["barycentric"], corner), axis=1
     )
-
-
-def _line(table: NDArray, width: NDArray, depth: NDArray, side: NDArray, first: int) -> NDArray:
-    result = np.zeros(len(table), LINE)
-    for name in ROW.names or ():
-        result[name] = table[name]
-    for name, value in (("width_mm", width), ("depth_mm", depth), ("side", side)):
-        result[name] = value[table["curve"]]
-    result["curve"] += first
-    return result
 
 
 def _curves(table: NDArray) -> int:

@@ -45,9 +45,9 @@ def _where(group: str, what: str) -> Any:
 class Skin(BaseModel):
     """Human skin: pigments and blood of every point, and the features that change them.
 
-    Features, draws and counts follow a procedural skin model of cysts, moles, follicles, freckles, lips and wrinkles; microrelief,
-    pores, pock marks, scars, vessels, goose bumps and sebum go beyond it. A radius is given as (mean, standard deviation) of a
-    normal draw, whose absolute value counts; heights and strengths as (least, greatest) of a uniform one.
+    Cysts, moles, follicles, freckles, lips and wrinkles follow a procedural model of skin; microrelief, pores, pock marks,
+    scars, vessels, goose bumps and sebum go beyond it. A radius is given as (mean, standard deviation) of a normal
+    draw, whose absolute value counts; heights and strengths as (least, greatest) of a uniform one.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -60,7 +60,9 @@ class Skin(BaseModel):
     oxygenation: NumberField = _field(0.78, "baseline", "Share of the blood that carries oxygen.")
     stratum_corneum: Length = _field(0.015, "baseline", "Thickness of the horny layer.")
     epidermis: Length = _field(0.08, "baseline", "Thickness of the living epidermis.")
-    variation: Share = _field(0.04, "baseline", "Noise of every parameter, as a share of its plausible range.")
+    variation: Share = _field(
+        0.006, "baseline", "Noise of every parameter, as a share of its plausible range."
+    )
     variation_size: PositiveLength = _field(0.9, "baseline", "Wavelength of that noise.")
     mottle: Share = _field(0.18, "baseline", "How much blood and melanin vary in patches.")
     mottle_size: PositiveLength = _field(7.0, "baseline", "Size of the patches.")
@@ -99,7 +101,11 @@ class Skin(BaseModel):
     freckle_density: Amount = _density("freckle", "freckles")
     freckle_where: Mask = _where("freckle", "freckles")
     freckle_gather: float = _field(
-        1.0, "freckle", "Power of that likelihood: above 1 gathers freckles, below 1 spreads them.", ge=0, le=20
+        1.0,
+        "freckle",
+        "Power of that likelihood: above 1 gathers freckles, below 1 spreads them.",
+        gt=0,
+        le=20,
     )
     freckle_radius: LengthRange = _field((0.8, 0.45), "freckle", "Radius of a freckle.")
     freckle_melanin: AmountRange = _field((0.0, 0.05), "freckle", "Melanosomes that its middle adds.")
@@ -130,7 +136,9 @@ class Skin(BaseModel):
     pore_where: Mask = _where("pore", "pores")
     pore_radius: LengthRange = _field((0.13, 0.035), "pore", "Radius of a pore.")
     pore_depth: LengthRange = _field((0.02, 0.09), "pore", "Depth of a pore.")
-    pore_lean: float = _field(1.35, "pore", "Length of a pore over its width, along the furrows.", ge=1, le=10)
+    pore_lean: float = _field(
+        1.35, "pore", "Length of a pore over its width, along the furrows.", ge=1, le=10
+    )
     pore_shade: Share = _field(0.012, "pore", "Melanosomes that its plug adds.")
     pore_sebum: Share = _field(0.3, "pore", "Oil around it.")
     pore_profile: Profile = _field("valley", "pore", "Shape of a pore.")
@@ -177,7 +185,9 @@ class Skin(BaseModel):
         None, "wrinkle", "Direction field that they grow along; smoothest without it."
     )
     wrinkle_length: LengthRange = _field((8.0, 22.0), "wrinkle", "Length of a wrinkle.")
-    wrinkle_width: LengthRange = _field((0.3, 0.8), "wrinkle", "From its middle to its rim, where it is widest.")
+    wrinkle_width: LengthRange = _field(
+        (0.3, 0.8), "wrinkle", "From its middle to its rim, where it is widest."
+    )
     wrinkle_depth: LengthRange = _field((0.05, 0.2), "wrinkle", "Depth of a wrinkle.")
     wrinkle_fold: Share = _field(0.25, "wrinkle", "Rise of its one side, as a share of the depth.")
     wrinkle_profile: Profile = _field("crease", "wrinkle", "Shape of a wrinkle, from its floor to its rim.")

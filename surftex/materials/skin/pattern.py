@@ -113,9 +113,7 @@ class SkinPattern:
         if skin.relief_depth > 0 or skin.relief_swell > 0 or skin.relief_secondary > 0:
             angle = tension(skin, surface, names).angle_rad
             stretch = 1 + (_STRETCH - 1) * skin.relief_tension
-            net = FurrowNet.over(
-                surface, angle, skin.relief_spacing, stretch, stream(seed, "skin", "relief")
-            )
+            net = FurrowNet.over(surface, angle, skin.relief_spacing, stretch, stream(seed, "skin", "relief"))
         return SkinPattern(
             skin, surface, MappingProxyType(dict(features)), Baseline.build(skin, surface, seed, names), points,
             curves.get("wrinkle"), curves.get("vessel"), net,

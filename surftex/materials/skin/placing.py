@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import RecipeError
+from surftex.errors import InputError, RecipeError
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.sources import Field
@@ -56,7 +56,8 @@ def place(
     _check_order(skin)
     told = tick or (lambda share: None)
     expected = {
-        kind: setting(skin, kind, "count") + setting(skin, kind, "density") * surface.area_mm2 for kind in KINDS
+        kind: setting(skin, kind, "count") + setting(skin, kind, "density") * surface.area_mm2
+        for kind in KINDS
     }
     if sum(expected.values()) > max_features:
         most = max(expected, key=lambda kind: expected[kind])
@@ -92,7 +93,7 @@ def likelihood(skin: Skin, fields: FieldSet, kind: str) -> Field | None:
     Returns
     -------
     field : Field or None
-        Numbers from 0 to 1; None means 1 everywhere.
+        Below 0 it counts as 0; None means 1 everywhere.
 
     Raises
     ------
@@ -100,16 +101,7 @@ def likelihood(skin: Skin, fields: FieldSet, kind: str) -> Field | None:
         If the expression is wrong; the message names the parameter.
     """
     value = setting(skin, kind, "where")
-    power = skin.freckle_gather if kind == "freckle" else 1.0
-    if value == 1:
-        return None
-    field = read(fields, value, f"{kind}_where")
-
-    def share(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-        likely = np.clip(field(points, footprint_mm), 0.0, 1.0)
-        return likely if power == 1 else likely**power
-
-    return share
+    return None if value == 1 else read(fields, value, f"{kind}_where")
 
 
 def read(fields: FieldSet, value: float | str, key: str) -> Field:
@@ -172,14 +164,16 @@ def _points(skin: Skin, surface: Surface, seed: int, fields: FieldSet, kind: str
     """Rows of one kind: a count and a density, thinned by its likelihood."""
     where = likelihood(skin, fields, kind)
     count, density = setting(skin, kind, "count"), setting(skin, kind, "density")
-    parts = []
+    power = skin.freckle_gather if kind == "freckle" else 1.0
+    parts: list[SurfacePoints] = []
     try:
         if count:
-            parts.append(scatter(surface, stream(seed, "skin", kind, "count"), count=count, weight=where))
+            random = stream(seed, "skin", kind, "count")
+            parts.append(scatter(surface, random, count=count, weight=where, power=power))
         if density:
             random = stream(seed, "skin", kind, "density")
-            parts.append(scatter(surface, random, density_per_mm2=density, weight=where))
-    except RecipeError as problem:
+            parts.append(scatter(surface, random, density_per_mm2=density, weight=where, power=power))
+    except InputError as problem:
         raise RecipeError(f"skin.{kind}_where: {problem}") from None
     face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in parts]])
     barycentric = np.concatenate([np.zeros((0, 3)), *[part.barycentric for part in parts]])
@@ -211,4 +205,6 @@ def _lean_angle(
 
 def _check_order(skin: Skin) -> None:
     if sorted(skin.order) != sorted(KINDS):
-        raise RecipeError(f"skin.order lists {', '.join(skin.order)}; it takes each of {', '.join(KINDS)} once")
+        raise RecipeError(
+            f"skin.order lists {', '.join(skin.order)}; it takes each of {', '.join(KINDS)} once"
+        )

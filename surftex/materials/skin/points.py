@@ -124,6 +124,8 @@ class PointKind:
         outline = uneven * _WAVES * (2 * random.uniform(count, 6) - 1) if uneven else np.zeros((count, 6))
         moments = [disc_moments(change.table) for change in changes]
         spread = _VARIANCE / max(np.mean([variance for _, variance in moments]), 1e-3)
+        power = skin.freckle_gather if name == "freckle" else 1.0
+        where = None if where is None else _powered(where, power)
         likely = _mean_likelihood(surface, where)
         per_mm2 = count / max(surface.area_mm2 * likely, 1e-300)
         finest = min(_SPACINGS / np.sqrt(per_mm2), _RADII * float(radius.mean()))
@@ -185,6 +187,10 @@ class PointKind:
                 state[coarse, k] *= np.exp(-amount)
             else:
                 state[coarse, k] = 1 - (1 - state[coarse, k]) * np.exp(-amount)
+
+
+def _powered(where: Field, power: float) -> Field:
+    return lambda points, footprint_mm=0.0: np.maximum(where(points, footprint_mm), 0.0) ** power
 
 
 def _mean_likelihood(surface: Surface, where: Field | None) -> float:

@@ -1,4 +1,6 @@
-"""Colour of skin from two pigments: melanin that filters above, blood that absorbs below. Stands in for a table of light transport.
+"""Colour of skin from two pigments: melanin that filters above, blood that absorbs below.
+
+Stands in for a table of light transport.
 
 Light passes an epidermis of melanosomes twice, and is reflected diffusely by a deep dermis with blood in it: absorption of
 melanin, pheomelanin and bare skin as in [1]_, scattering as in [2]_, the dipole's diffuse albedo of [3]_, the daylight of
@@ -62,7 +64,7 @@ class SkinAppearance:
     subsurface_radius_mm: Float
 
 
-def lookup(parameters: Mapping[str, Float]) -> SkinAppearance:
+def lookup(parameters: Mapping[str, NDArray[np.floating]]) -> SkinAppearance:
     """Look up how skin looks.
 
     Parameters
@@ -125,7 +127,7 @@ def _color_matching() -> NDArray[np.float64]:
     """(3, wavelengths): linear sRGB of a reflectance under D65."""
 
     def bump(middle: float, below: float, above: float) -> NDArray[np.float64]:
-        t = (_NM - middle) * np.where(_NM < middle, below, above)
+        t = (_NM - middle) * np.where(middle > _NM, below, above)
         return np.exp(-0.5 * t * t)
 
     xyz = np.stack(
