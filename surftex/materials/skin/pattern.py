@@ -17,7 +17,7 @@ from surftex.materials.skin.kinds import STATE
 from surftex.materials.skin.model import Skin
 from surftex.materials.skin.placing import likelihood, tension
 from surftex.materials.skin.points import PointKind
-from surftex.materials.skin.two_pigments import lookup
+from surftex.optics import lookup
 from surftex.randomness import stream
 from surftex.surface.points import Samples
 from surftex.surface.surface import Surface
@@ -177,7 +177,8 @@ class SkinPattern:
                 **biology,
                 "stratum_corneum_cm": column["stratum_corneum_mm"] / 10,
                 "epidermis_cm": column["epidermis_mm"] / 10,
-            }
+            },
+            threads=1,
         )
         hair = np.clip(column["hair"], 0, 1)
         color = appearance.base_color + hair[:, None] * (
