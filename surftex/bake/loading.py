@@ -1,13 +1,21 @@
 """`load`: whatever a caller has, as a surface."""
 
 import os
+from collections.abc import Mapping
 from typing import Any
+
+from numpy.typing import ArrayLike
 
 from surftex.surface.surface import Surface
 
 
 def load(
-    mesh: Any, *, units: str | None = None, size: str | float | None = None, part: str | None = None
+    mesh: Any,
+    *,
+    units: str | None = None,
+    size: str | float | None = None,
+    part: str | None = None,
+    attributes: Mapping[str, ArrayLike] | None = None,
 ) -> Surface:
     """Load a mesh: from a file, or from what another library holds in memory.
 
@@ -22,6 +30,9 @@ def load(
         Length of the longest side, such as ``"300 mm"``; overrules `units`.
     part : str, optional
         Material slot, group, node or geometry to keep.
+    attributes : mapping of str to (n,), (n, k), (m,) or (m, k) float, optional
+        For a mesh in memory: numbers of its n vertices or m faces by name, for fields to read. Files bring their
+        own; `Surface.with_attributes` hangs more on any surface.
 
     Returns
     -------
@@ -34,9 +45,15 @@ def load(
         If there is no surface in it; what, where and how to mend it, in one line.
     """
     if isinstance(mesh, (str, os.PathLike)):
+        from surftex.errors import InputError
         from surftex.files.meshes import load as load_file
+
+        if attributes:
+            raise InputError(
+                "attributes go with a mesh in memory; for a file, take load(path).with_attributes(...)"
+            )
 
         return load_file(mesh, units=units, size=size, part=part)
     from surftex.files.doors import as_surface
 
-    return as_surface(mesh, units=units or "mm", size=size, part=part)
+    return as_surface(mesh, units=units or "mm", size=size, part=part, attributes=attributes)

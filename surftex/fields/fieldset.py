@@ -1,6 +1,7 @@
 """`FieldSet`: the named numbers and directions of a recipe, on one surface, ready for every layer."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from types import MappingProxyType
 from typing import TYPE_CHECKING
@@ -8,15 +9,39 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import RecipeError
+from surftex.errors import InputError, RecipeError
 from surftex.fields.expressions import AXES, RESERVED, Expression
-from surftex.fields.sources import Field, SpannedField, file_positions, part_field, span_of
+from surftex.fields.sources import (
+    Field,
+    SpannedField,
+    file_positions,
+    made_once,
+    part_field,
+    span_of,
+)
 from surftex.fields.spans import Span, over_corners
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
+    from surftex.fields.vectors import VectorField
     from surftex.geodesics.directions import DirectionField
+
+
+@dataclass(frozen=True)
+class Derived:
+    """A field that is worked out from another one, such as the distance to a mask's border.
+
+    Attributes
+    ----------
+    of : str or float
+        An expression over other fields.
+    make : callable
+        ``make(field)`` makes the field from that of the expression; called once, when it is first asked.
+    """
+
+    of: str | float
+    make: Callable[[SpannedField], SpannedField]
 
 
 class FieldSet:
@@ -26,10 +51,13 @@ class FieldSet:
     ----------
     surface : Surface
         Where the fields live.
-    numbers : mapping of str to Field, str or float
-        A `Field` (``field(points, footprint_mm=0.0) -> (n,)``), an expression over other fields, or a number.
+    numbers : mapping of str to Field, Derived, str or float
+        A `Field` (``field(points, footprint_mm=0.0) -> (n,)``), one derived from others, an expression over
+        others, or a number.
     directions : mapping of str to callable
-        ``directions[name]()`` makes the `DirectionField`, when it is first asked for.
+        ``directions[name]()`` makes the `DirectionField` or `VectorField`, when it is first asked for.
+    curves : mapping of str to callable
+        ``curves[name]()`` makes rows of curves (`surftex.features.curves`), when they are first asked for.
 
     Raises
     ------
@@ -41,25 +69,36 @@ class FieldSet:
     def __init__(
         self,
         surface: Surface,
-        numbers: Mapping[str, Field | str | float] = MappingProxyType({}),
-        directions: Mapping[str, "Callable[[], DirectionField]"] = MappingProxyType({}),
+        numbers: Mapping[str, Field | Derived | str | float] = MappingProxyType({}),
+        directions: Mapping[str, "Callable[[], DirectionField | VectorField]"] = MappingProxyType({}),
+        curves: Mapping[str, Callable[[], NDArray]] = MappingProxyType({}),
     ) -> None:
         self.surface = surface
         self._fields: dict[str, Field] = {}
         self._expressions: dict[str, Expression] = {}
         self._directions = dict(directions)
-        self._made: dict[str, DirectionField] = {}
+        self._made: dict[str, DirectionField | VectorField] = {}
+        self._curves, self._drawn = dict(curves), dict[str, NDArray]()
+        needs: dict[str, frozenset[str]] = {}
         for name, value in numbers.items():
             check_name(name)
-            if name in directions:
-                raise RecipeError(f"the name {name!r} is both a number and a direction")
-            if callable(value):
+            if name in directions or name in curves:
+                other = "a direction" if name in directions else "curves"
+                raise RecipeError(f"the name {name!r} is both a number and {other}")
+            if isinstance(value, Derived):
+                expression = Expression.parse(value.of)
+                needs[name] = expression.names
+                self._fields[name] = made_once(lambda name=name, value=value: self._derived(name, value))
+            elif callable(value):
                 self._fields[name] = value
             else:
                 self._expressions[name] = Expression.parse(value)
         for expression in self._expressions.values():
             self._check(expression)
-        refuse_circles({name: each.names for name, each in self._expressions.items()})
+        for value in numbers.values():
+            if isinstance(value, Derived):
+                self._check(Expression.parse(value.of))
+        refuse_circles({**needs, **{name: each.names for name, each in self._expressions.items()}})
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -115,13 +154,75 @@ class FieldSet:
         Returns
         -------
         direction : DirectionField
-            An angle per face.
+            An angle per face; of vectors, their directions.
 
         Raises
         ------
         RecipeError
             If no direction has this name.
         """
+        from surftex.fields.vectors import VectorField
+
+        made = self._direction(name)
+        if isinstance(made, VectorField):
+            made = self._made[name + " directions"] = (
+                self._made.get(name + " directions") or made.directions()
+            )
+        return made  # type: ignore[return-value]
+
+    def vectors(self, name: str) -> "VectorField":
+        """Look up the vectors of one name; those of a plain direction are 1 mm long.
+
+        Parameters
+        ----------
+        name : str
+            One of `direction_names`.
+
+        Returns
+        -------
+        vectors : VectorField
+            Directions with lengths.
+
+        Raises
+        ------
+        RecipeError
+            If no direction has this name.
+        """
+        from surftex.fields.vectors import VectorField
+
+        made = self._direction(name)
+        return made if isinstance(made, VectorField) else VectorField.along(made)
+
+    @property
+    def curve_names(self) -> tuple[str, ...]:
+        """Names of all curves, sorted."""
+        return tuple(sorted(self._curves))
+
+    def curves(self, name: str) -> NDArray:
+        """Look up the curves of one name; they are made at first use.
+
+        Parameters
+        ----------
+        name : str
+            One of `curve_names`.
+
+        Returns
+        -------
+        table : (p,) structured array
+            Rows of `surftex.features.curves`, with ``width_mm`` and ``depth_mm`` of each curve.
+
+        Raises
+        ------
+        RecipeError
+            If no curves have this name, or they cannot be made on this surface.
+        """
+        if name not in self._curves:
+            raise RecipeError(f"unknown curves {name!r}{_hint(name, self._curves, 'curves')}")
+        if name not in self._drawn:
+            self._drawn[name] = self._curves[name]()
+        return self._drawn[name]
+
+    def _direction(self, name: str) -> "DirectionField | VectorField":
         if name not in self._directions:
             if name in self:
                 raise RecipeError(f"field {name!r} is a number; directions are made from strokes or an axis")
@@ -130,10 +231,17 @@ class FieldSet:
             self._made[name] = self._directions[name]()
         return self._made[name]
 
+    def _derived(self, name: str, value: Derived) -> SpannedField:
+        try:
+            return value.make(self.scalar(value.of))
+        except InputError as problem:
+            raise RecipeError(f"fields.{name}: {problem}") from None
+
     def _check(self, expression: Expression) -> None:
         for name in sorted(expression.names):
-            if name in self._directions:
-                raise RecipeError(f"{expression.text!r}: field {name!r} is a direction, not a number")
+            if name in self._directions or name in self._curves:
+                kind = "is a direction" if name in self._directions else "is curves"
+                raise RecipeError(f"{expression.text!r}: field {name!r} {kind}, not a number")
             if name not in self:
                 raise RecipeError(
                     f"{expression.text!r}: unknown field {name!r}{_hint(name, self.names, 'fields')}"

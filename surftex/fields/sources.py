@@ -6,6 +6,7 @@ number per point, and never depends on other points. The fields made here also k
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from threading import Lock
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,6 +73,32 @@ def constant_field(value: float) -> Field:
         Constant.
     """
     return lambda points, footprint_mm=0.0: np.full(len(points), float(value))
+
+
+def made_once(make: Callable[[], SpannedField]) -> SpannedField:
+    """Put off the work of a field until it is first asked, and keep what it made.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the field; it is called once, whichever thread asks first.
+
+    Returns
+    -------
+    field : SpannedField
+        As `make` makes it.
+    """
+    lock, made = Lock(), list[SpannedField]()
+
+    def field() -> SpannedField:
+        with lock:
+            if not made:
+                made.append(make())
+        return made[0]
+
+    return SpannedField(
+        lambda points, footprint_mm=0.0: field()(points, footprint_mm), lambda: field().span()
+    )
 
 
 def span_of(field: Field, surface: Surface) -> Span:
@@ -217,7 +244,9 @@ def noise_field(surface: Surface, noise: Noise, low: float = 0.0, high: float = 
     return SpannedField(field, lambda: (min(low, high) * every, max(low, high) * every))
 
 
-def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "image") -> SpannedField:
+def image_field(
+    surface: Surface, picture: NDArray[np.floating], name: str = "image", label: int | None = None
+) -> SpannedField:
     """Read a picture through the mesh's own UVs, between texels bilinearly, repeating outside 0..1.
 
     Parameters
@@ -228,16 +257,19 @@ def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "im
         Row 0 on top.
     name : str
         What messages call the picture.
+    label : int, optional
+        Give 1 where the nearest texel is this number, and 0 elsewhere.
 
     Returns
     -------
-    field : Field
+    field : SpannedField
         The picture's numbers.
 
     Raises
     ------
     RecipeError
-        If the mesh has no UVs, or the picture has another shape or values that are not finite.
+        If the mesh has no UVs, the picture has another shape or values that are not finite, no texel has the
+        label, or the picture varies beside the mesh's own unwrap only.
     """
     if surface.corner_uv is None:
         raise RecipeError(
@@ -248,12 +280,23 @@ def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "im
         raise RecipeError(f"{name} has shape {pixels.shape}; a mask is one number per pixel, (height, width)")
     if not np.isfinite(pixels).all():
         raise RecipeError(f"{name} holds {np.count_nonzero(~np.isfinite(pixels))} pixels that are not finite")
+    if label is not None:
+        pixels = (pixels == label).astype(np.float64)
+        if not pixels.any():
+            raise RecipeError(f"no pixel of {name} has the label {label}")
     corner_uv, (height, width) = surface.corner_uv, pixels.shape
+    low, high = over_pixels(corner_uv, pixels)
+    if low.min() == high.max() and pixels.min() < pixels.max():
+        raise RecipeError(
+            f"{name} varies, but is {low[0]:g} wherever {surface.name} has UVs; was it painted for another mesh?"
+        )
 
     def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
         uv = np.einsum("pk,pki->pi", points.barycentric, corner_uv[points.face])
         column = uv[:, 0] * width - 0.5
         row = (1 - uv[:, 1]) * height - 0.5
+        if label is not None:
+            column, row = np.rint(column), np.rint(row)
         left, top = np.floor(column), np.floor(row)
         across, down = column - left, row - top
         i, j = left.astype(np.int64) % width, top.astype(np.int64) % height
@@ -262,4 +305,4 @@ def image_field(surface: Surface, picture: NDArray[np.floating], name: str = "im
         lower = pixels[below, i] * (1 - across) + pixels[below, right] * across
         return upper * (1 - down) + lower * down
 
-    return SpannedField(field, lambda: over_pixels(corner_uv, pixels))
+    return SpannedField(field, lambda: (low, high))

@@ -80,7 +80,14 @@ def surface_of(
     labels, names = part_labels(polygons)
     uv = _own_uv(polygons, triangles, warnings)
     normal = None if polygons.normals is None else polygons.normals[triangles]
-    mended = repair(points, corner[triangles], corner_uv=uv, corner_normal=normal, part=labels[polygon])
+    mended = repair(
+        points,
+        corner[triangles],
+        corner_uv=uv,
+        corner_normal=normal,
+        part=labels[polygon],
+        attributes={name: values[triangles] for name, values in polygons.attributes.items()},
+    )
     return Surface.from_arrays(
         mended.vertices,
         mended.faces,
@@ -93,6 +100,7 @@ def surface_of(
         sha256=sha256,
         mm_per_unit=scale,
         warnings=tuple(warnings) + mended.warnings,
+        attributes=mended.attributes,
     )
 
 

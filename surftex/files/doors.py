@@ -5,10 +5,11 @@ None of the libraries is imported here: an object can only be theirs where they 
 
 import hashlib
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from surftex.arrays import checked
 from surftex.errors import SurfaceError
@@ -25,6 +26,7 @@ def as_surface(
     size: str | float | None = None,
     part: str | None = None,
     name: str = "surface",
+    attributes: Mapping[str, ArrayLike] | None = None,
 ) -> Surface:
     """Turn what a caller has into a surface.
 
@@ -32,7 +34,8 @@ def as_surface(
     ----------
     mesh : Surface, trimesh.Trimesh, trimesh.Scene, pyvista.PolyData or (V, F)
         A surface passes through untouched. UVs come along from a trimesh texture visual and from a PolyData's
-        texture coordinates; a scene's geometries become parts. F may hold triangles or quads.
+        texture coordinates, and so do attributes of vertices and faces; a scene's geometries become parts. F may
+        hold triangles or quads.
     units : str
         What a unit of the mesh is: "mm", "cm", "m" or "in".
     size : str or float, optional
@@ -41,6 +44,8 @@ def as_surface(
         Geometry of a scene to keep.
     name : str
         Stem for file names.
+    attributes : mapping of str to (n,), (n, k), (m,) or (m, k) float, optional
+        For (V, F): numbers of the n vertices or m faces by name, for fields to read.
 
     Returns
     -------
@@ -55,8 +60,11 @@ def as_surface(
     if isinstance(mesh, Surface):
         return mesh
     polygons = _polygons(mesh)
+    for key, value in (attributes or {}).items():
+        polygons.attributes[key] = _at_corners(polygons, key, value)
     digest = hashlib.sha256()
-    for array in (polygons.vertices, polygons.start, polygons.corner, *polygons.uv_sets):
+    arrays = (polygons.vertices, polygons.start, polygons.corner, *polygons.uv_sets)
+    for array in (*arrays, *(polygons.attributes[key] for key in sorted(polygons.attributes))):
         digest.update(np.ascontiguousarray(array).tobytes())
     try:
         return surface_of(
@@ -100,6 +108,43 @@ def _from_arrays(vertices: Any, faces: Any) -> Polygons:
     return _checked_polygons(places, np.full(len(corner), width), corner.ravel(), [])
 
 
+def _at_corners(polygons: Polygons, name: str, value: Any) -> NDArray[np.float64]:
+    """Numbers of vertices or faces, by their count, at the corners."""
+    array, faces = np.asarray(value), len(polygons.start) - 1
+    if array.dtype.kind not in "biuf" or array.ndim not in (1, 2):
+        raise SurfaceError(f"attribute {name!r} is no list of numbers; it has shape {array.shape}")
+    if len(array) == len(polygons.vertices):
+        return array.astype(np.float64)[polygons.corner]
+    if len(array) == faces:
+        return np.repeat(array.astype(np.float64), np.diff(polygons.start), axis=0)
+    raise SurfaceError(
+        f"attribute {name!r} has {len(array)} rows; the mesh has {len(polygons.vertices)} vertices and {faces} faces"
+    )
+
+
+def _hung(
+    polygons: Polygons,
+    vertices: Mapping[str, Any],
+    faces: Mapping[str, Any],
+    kept: NDArray[np.bool_] | None = None,
+) -> Polygons:
+    """Take along what another library's mesh has at its vertices and faces, where it is numbers."""
+    counts = (len(polygons.vertices), len(polygons.start) - 1 if kept is None else len(kept))
+    for table, count in ((faces, counts[1]), (vertices, counts[0])):
+        for name, value in table.items():
+            array = np.asarray(value)
+            if array.dtype.kind in "biuf" and array.ndim in (1, 2) and len(array) == count:
+                numbers = array.astype(np.float64)
+                if table is vertices:
+                    numbers = numbers[polygons.corner]
+                else:
+                    numbers = np.repeat(
+                        numbers if kept is None else numbers[kept], np.diff(polygons.start), axis=0
+                    )
+                polygons.attributes[printable(str(name), longest=80)] = numbers
+    return polygons
+
+
 def _checked_polygons(
     places: NDArray[np.float64],
     sizes: NDArray[np.int64],
@@ -127,9 +172,12 @@ def _from_trimesh(mesh: Any, matrix: NDArray[np.float64]) -> Polygons:
     uv_sets = []
     if uv is not None and np.shape(uv) == (len(places), 2):
         uv_sets = [np.asarray(uv, np.float64)[corner]]
-    return _checked_polygons(
+    polygons = _checked_polygons(
         places @ matrix[:3, :3].T + matrix[:3, 3], np.full(len(faces), 3), corner, uv_sets
     )
+    painted = getattr(mesh.visual, "kind", None) == "vertex"
+    colors = {"color": np.asarray(mesh.visual.vertex_colors) / 255} if painted else {}
+    return _hung(polygons, {**colors, **mesh.vertex_attributes}, mesh.face_attributes)
 
 
 def _from_polydata(mesh: Any) -> Polygons:
@@ -143,7 +191,9 @@ def _from_polydata(mesh: Any) -> Polygons:
     uv_sets = []
     if uv is not None and len(uv) == len(places):
         uv_sets = [np.asarray(uv, np.float64)[corner[sound], :2]]
-    return _checked_polygons(places, sizes[sizes >= 3], corner[sound], uv_sets)
+    polygons = _checked_polygons(places, sizes[sizes >= 3], corner[sound], uv_sets)
+    cells = mesh.cell_data if mesh.n_cells == len(sizes) else {}
+    return _hung(polygons, dict(mesh.point_data), dict(cells), sizes >= 3)
 
 
 def _unpacked(flat: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -177,6 +227,15 @@ def _joined(pieces: list[Polygons], names: list[str]) -> Polygons:
         unique = {name: k for k, name in enumerate(dict.fromkeys(names))}
         index = np.repeat([unique[name] for name in names], [len(p.start) - 1 for p in pieces])
         labels["node"] = (index.astype(np.int32), tuple(unique))
+    attributes = {}
+    for name in dict.fromkeys(name for p in pieces for name in p.attributes):
+        shapes = {p.attributes[name].shape[1:] for p in pieces if name in p.attributes}
+        if len(shapes) == 1:
+            blank = (*next(iter(shapes)),)
+            attributes[name] = np.concatenate(
+                [p.attributes.get(name, np.full((len(p.corner), *blank), np.nan)) for p in pieces]
+            )
     return Polygons(
-        np.concatenate([p.vertices for p in pieces]), starts_of(sizes), corner, uv_sets, None, labels
-    )
+        np.concatenate([p.vertices for p in pieces]), starts_of(sizes), corner, uv_sets, None, labels,
+        attributes=attributes,
+    )  # fmt: skip

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.errors import MeshFileError
 from surftex.files.gltfaccessor import Document
 from surftex.files.polygons import Polygons, check_face_count, starts_of
 from surftex.files.reading import printable
@@ -20,6 +21,7 @@ _MODES = {
     6: "TRIANGLE_FAN",
 }
 _MOST_UV_SETS = 8
+_MOST_ATTRIBUTES = 64
 
 
 @dataclass
@@ -30,6 +32,8 @@ class _Pieces:
     corner: list[NDArray[np.int64]] = field(default_factory=list)
     uv_sets: list[list[NDArray[np.float64]]] = field(default_factory=list)
     normals: list[NDArray[np.float64] | None] = field(default_factory=list)
+    attributes: list[dict[str, NDArray[np.float64]]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     labels: dict[str, list[str]] = field(default_factory=lambda: {"material": [], "node": [], "mesh": []})
     vertex_count: int = 0
     face_count: int = 0
@@ -229,7 +233,32 @@ def _add_primitive(
         normals = _long_enough(document, normals, len(position), f"{what} NORMAL") @ np.linalg.inv(linear)
         normals = normals[corner].astype(np.float64)
     pieces.normals.append(normals)
+    pieces.attributes.append(_attributes(document, attributes, corner, len(position), what, pieces.notes))
     return len(triangles)
+
+
+def _attributes(
+    document: Document,
+    named: dict[str, Any],
+    corner: NDArray[np.int64],
+    count: int,
+    what: str,
+    notes: list[str],
+) -> dict[str, NDArray[np.float64]]:
+    """Colours (``COLOR_0`` is ``color``) and an application's own numbers (``_WEAR`` is ``wear``) at the corners."""
+    found: dict[str, NDArray[np.float64]] = {}
+    for name in list(named)[:_MOST_ATTRIBUTES]:
+        if name != "COLOR_0" and not (name.startswith("_") and len(name) > 1):
+            continue
+        key = "color" if name == "COLOR_0" else printable(name[1:].lower(), longest=80)
+        try:
+            values = document.accessor(named[name], ("SCALAR", "VEC2", "VEC3", "VEC4")).astype(np.float64)
+            values = _long_enough(document, values, count, f"{what} {printable(name, longest=80)}")[corner]
+        except MeshFileError as problem:
+            notes.append(f"an attribute is ignored: {problem}")
+            continue
+        found[key] = values[:, 0] if values.shape[1] == 1 else values
+    return found
 
 
 def _triangles(index: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
@@ -270,7 +299,18 @@ def _gathered(pieces: _Pieces, warnings: list[str]) -> Polygons:
         index = np.repeat([unique[name] for name in names], [size // 3 for size in sizes])
         labels[kind] = (index.astype(np.int32), tuple(unique))
     corner = np.concatenate(pieces.corner)
+    attributes = {}
+    for name in list(dict.fromkeys(name for each in pieces.attributes for name in each))[:_MOST_ATTRIBUTES]:
+        have = [each[name] for each in pieces.attributes if name in each]
+        if len({values.shape[1:] for values in have}) == 1:
+            attributes[name] = np.concatenate(
+                [
+                    each.get(name, np.full((size, *have[0].shape[1:]), np.nan))
+                    for each, size in zip(pieces.attributes, sizes, strict=True)
+                ]
+            )
     start = starts_of(np.full(len(corner) // 3, 3))
     return Polygons(
-        np.concatenate(pieces.vertices), start, corner, uv_sets, normals, labels, 1000.0, warnings
-    )
+        np.concatenate(pieces.vertices), start, corner, uv_sets, normals, labels, 1000.0,
+        [*warnings, *pieces.notes], attributes,
+    )  # fmt: skip

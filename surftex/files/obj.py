@@ -1,7 +1,8 @@
 """Wavefront OBJ: vertices, UVs, normals and polygons; no other file is ever opened for one.
 
 Faces may index each corner as ``v``, ``v/vt``, ``v//vn`` or ``v/vt/vn``, forwards or (negative) backwards.
-``usemtl``, ``g`` and ``o`` become parts. Material libraries are not needed for geometry and stay closed.
+``usemtl``, ``g`` and ``o`` become parts; three numbers behind the place of each vertex are its ``color``. Material
+libraries are not needed for geometry and stay closed.
 """
 
 import numpy as np
@@ -51,7 +52,9 @@ def read_obj(data: bytes, where: str) -> Polygons:
     warnings: list[str] = []
     _warn_of_libraries(text, warnings)
 
-    vertices = columns(*text.numbers(lines[b"v"], 1, 3, "vertex"), 3)
+    values, begin = text.numbers(lines[b"v"], 1, 3, "vertex")
+    vertices = columns(values, begin, 3)
+    painted = len(values) == 6 * len(vertices) and (np.diff(begin) == 6).all()
     few = text.tokens[face_lines] < 4
     if few.any():
         warnings.append(
@@ -78,8 +81,9 @@ def read_obj(data: bytes, where: str) -> Polygons:
         normals = np.concatenate([normal, np.full((1, 3), np.nan)])[which]
     _check_finite(vertices, corner, lines[b"v"], where)
     return Polygons(
-        vertices, starts_of(sizes), corner, uv_sets, normals, _labels(text, face_lines), None, warnings
-    )
+        vertices, starts_of(sizes), corner, uv_sets, normals, _labels(text, face_lines), None, warnings,
+        {"color": values.reshape(-1, 6)[:, 3:][corner]} if painted else {},
+    )  # fmt: skip
 
 
 def _warn_of_libraries(text: TextLines, warnings: list[str]) -> None:

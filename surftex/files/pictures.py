@@ -35,13 +35,41 @@ def read_mask(path: str | Path, channel: str = "luminance") -> NDArray[np.float6
     RecipeError
         If the file cannot be read, or has no such channel.
     """
-    picture = read_picture(path)
+    return _one_channel(read_picture(path), Path(path), channel)
+
+
+def read_codes(path: str | Path, channel: str = "luminance") -> NDArray[np.float64]:
+    """Read one whole number per pixel, as it stands in the file: labels.
+
+    Parameters
+    ----------
+    path : path
+        A PNG, TIFF or EXR file; JPEG does not keep numbers.
+    channel : str
+        As for `read_mask`; of several colours ``luminance`` takes the first.
+
+    Returns
+    -------
+    codes : (h, w) float64
+        Row 0 is on top.
+
+    Raises
+    ------
+    RecipeError
+        If the file cannot be read, or has no such channel.
+    """
+    return _one_channel(
+        _pixels(path).astype(np.float64), Path(path), "red" if channel == "luminance" else channel
+    )
+
+
+def _one_channel(picture: NDArray[np.float64], path: Path, channel: str) -> NDArray[np.float64]:
     count = picture.shape[2]
     if channel == "luminance":
         return picture[..., :3] @ np.array(LUMINANCE) if count >= 3 else picture[..., 0]
     if channel == "alpha":
         if count not in (2, 4):
-            raise RecipeError(f"{Path(path).name} has no alpha channel; it has {count}")
+            raise RecipeError(f"{path.name} has no alpha channel; it has {count}")
         return picture[..., -1]
     return picture[..., 0 if count < 3 else ("red", "green", "blue").index(channel)]
 
@@ -64,6 +92,13 @@ def read_picture(path: str | Path) -> NDArray[np.float64]:
     RecipeError
         If the file cannot be read as one of these.
     """
+    pixels = _pixels(path)
+    scale = np.iinfo(pixels.dtype).max if pixels.dtype.kind in "iu" else 1
+    return pixels.astype(np.float64) / scale
+
+
+def _pixels(path: str | Path) -> NDArray[Any]:
+    """(h, w, c) numbers as the file has them."""
     file = Path(path)
     try:
         if not file.is_file():
@@ -88,10 +123,7 @@ def read_picture(path: str | Path) -> NDArray[np.float64]:
         pixels = pixels[..., None]
     if pixels.ndim != 3 or pixels.size == 0:
         raise RecipeError(f"the picture {str(file)!r} has shape {pixels.shape}; it takes one page of pixels")
-    if pixels.dtype.kind == "b":
-        return pixels.astype(np.float64)
-    scale = np.iinfo(pixels.dtype).max if pixels.dtype.kind in "iu" else 1
-    return pixels.astype(np.float64) / scale
+    return pixels
 
 
 def _decoded(file: Path, data: bytes) -> NDArray[Any]:

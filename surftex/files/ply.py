@@ -1,4 +1,8 @@
-"""PLY, text and binary: vertices, polygons, normals, and UVs by vertex (``s t``, ``u v``...) or by face."""
+"""PLY, text and binary: vertices, polygons, normals, UVs by vertex (``s t``, ``u v``...) or by face, and attributes.
+
+Every other number of a vertex or a face is an attribute of its name: ``red green blue`` make ``color``, 0 to 1, and
+``flow_x flow_y flow_z`` make the vector ``flow``.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +18,10 @@ from surftex.files.textlines import parse_floats
 
 _UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"), ("texu", "texv"))
 _LIST_NAMES = ("vertex_indices", "vertex_index")
+_PLACES = frozenset({"x", "y", "z", "nx", "ny", "nz", *(name for pair in _UV_NAMES for name in pair)})
+_COLORS = ("red", "green", "blue", "alpha")
+MOST_ATTRIBUTES = 64
+"""Further properties are passed over."""
 
 
 @dataclass
@@ -212,7 +220,9 @@ def _assembled(vertex: dict[str, Any], face: dict[str, Any], where: str) -> Poly
         _columns(vertex, ("nx", "ny", "nz"))[corner] if all(n in vertex for n in ("nx", "ny", "nz")) else None
     )
     short = sizes < 3
-    polygons = Polygons(vertices, start, corner, uv_sets, normals, warnings=warnings)
+    attributes = {name: np.repeat(values, sizes, axis=0) for name, values in _attributes(face).items()}
+    attributes |= {name: values[corner] for name, values in _attributes(vertex).items()}
+    polygons = Polygons(vertices, start, corner, uv_sets, normals, warnings=warnings, attributes=attributes)
     if short.any():
         polygons = polygons.selected(~short)
         warnings.append(f"{int(short.sum())} faces of fewer than 3 corners skipped")
@@ -229,3 +239,26 @@ def _assembled(vertex: dict[str, Any], face: dict[str, Any], where: str) -> Poly
 
 def _columns(values: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
     return np.stack([np.asarray(values[name], np.float64) for name in names], axis=1)
+
+
+def _attributes(values: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
+    """Numbers of each record beside its place, with colours and vectors put together."""
+    numbers = {
+        name: column
+        for name, column in values.items()
+        if name not in _PLACES and not isinstance(column, _Runs)
+    }
+    found: dict[str, NDArray[np.float64]] = {}
+    for before in ("", "diffuse_"):
+        names = tuple(before + name for name in _COLORS if before + name in numbers)
+        if len(names) >= 3 and "color" not in numbers:
+            most = [np.iinfo(c.dtype).max if (c := numbers[n]).dtype.kind in "iu" else 1 for n in names]
+            found.setdefault("color", _columns(numbers, names) / most)
+            numbers = {name: column for name, column in numbers.items() if name not in names}
+    for stem in [name[:-2] for name in numbers if name.endswith("_x") and len(name) > 2]:
+        names = tuple(f"{stem}_{axis}" for axis in "xyz")
+        if stem not in numbers and all(name in numbers for name in names):
+            found[stem] = _columns(numbers, names)
+            numbers = {name: column for name, column in numbers.items() if name not in names}
+    found |= {name: np.asarray(column, np.float64) for name, column in numbers.items()}
+    return {printable(name, longest=80): found[name] for name in list(found)[:MOST_ATTRIBUTES]}

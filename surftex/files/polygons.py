@@ -33,6 +33,8 @@ class Polygons:
         Millimetres in a unit, where the format fixes it.
     warnings : list of str
         What the reader passed over.
+    attributes : dict of str to (c,) or (c, k) float64
+        Further numbers by name, at each corner; NaN where a corner has none.
     """
 
     vertices: NDArray[np.float64]
@@ -43,6 +45,7 @@ class Polygons:
     labels: dict[str, tuple[NDArray[np.int32], tuple[str, ...]]] = field(default_factory=dict)
     mm_per_unit: float | None = None
     warnings: list[str] = field(default_factory=list)
+    attributes: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     def selected(self, chosen: NDArray[np.bool_]) -> "Polygons":
         """Keep some of the polygons.
@@ -68,6 +71,7 @@ class Polygons:
             {kind: (index[chosen], names) for kind, (index, names) in self.labels.items()},
             self.mm_per_unit,
             self.warnings,
+            {name: values[corners] for name, values in self.attributes.items()},
         )
 
 

@@ -42,4 +42,4 @@ def composed(recipe: Recipe, mesh: str | Path | None, scale: Mapping[str, Any], 
     values["fields"] = values.pop("fields_")
     given = {key: value for key, value in scale.items() if value is not None}
     values["mesh"] = {**settings_of_mesh.model_dump(), **given}
-    return checked_recipe(values)
+    return checked_recipe(values).located(whole.places)

@@ -1,8 +1,7 @@
-"""Entries of a recipe's ``[fields]``: named numbers and directions on the surface.
+"""Entries of a recipe's ``[fields]``: named numbers, directions and curves on the surface.
 
-A number or an expression stands for itself; everything else is a table with one key that says what it is:
-``image``, ``part``, ``gradient``, ``noise`` or ``curvature`` for numbers, ``strokes``, ``axis`` or
-``direction`` for directions.
+A number or an expression stands for itself; everything else is a table with one key that says what it is, see
+`KINDS`.
 """
 
 from typing import Annotated, Any, Literal
@@ -13,6 +12,7 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    StrictBool,
     StrictFloat,
     StrictInt,
     StrictStr,
@@ -41,10 +41,42 @@ class _Entry(BaseModel):
 
 
 class ImageEntry(_Entry):
-    """A picture read through the mesh's own UVs: 0 is black, 1 is white."""
+    """A picture read through the mesh's own UVs: 0 is black, 1 is white; or 1 where it has one whole number."""
 
     image: StrictStr
     channel: Literal["luminance", "red", "green", "blue", "alpha"] = "luminance"
+    label: Annotated[StrictInt, Field(ge=0, le=65535)] | None = None
+    size: (
+        Annotated[tuple[StrictInt, StrictInt], Field(description="Width and height it must have.")] | None
+    ) = None
+
+
+class AttributeEntry(_Entry):
+    """Numbers of the mesh's own vertices or faces: a PLY property, ``color``, ``_CUSTOM`` of a GLB as ``custom``."""
+
+    attribute: StrictStr
+    channel: Literal["luminance", "red", "green", "blue", "alpha", "x", "y", "z"] = "luminance"
+    label: StrictInt | None = None
+
+
+class SlopeEntry(_Entry):
+    """The cosine between the surface's normal and a direction: 1 facing it, 0 across, -1 facing away."""
+
+    slope: Axis
+
+
+class OcclusionEntry(_Entry):
+    """0 in the open, towards 1 in folds and holes; what is farther off than ``occlusion`` does not count."""
+
+    occlusion: PositiveMillimetres
+
+
+class DistanceEntry(_Entry):
+    """Walking distance in mm to a mask's border (negative inside), a point, or what a JSON file of strokes holds."""
+
+    distance_to: StrictStr | Axis
+    level: Number = 0.5
+    limit: PositiveMillimetres | None = None
 
 
 class PartEntry(_Entry):
@@ -78,33 +110,66 @@ class CurvatureEntry(_Entry):
     radius: PositiveMillimetres
 
 
-class StrokesEntry(_Entry):
-    """A direction that runs along strokes: a JSON file of polylines."""
+class _Turnable(_Entry):
+    perpendicular: StrictBool = False
+
+
+class StrokesEntry(_Turnable):
+    """A direction that runs along strokes, or at right angles to them: a JSON file of polylines."""
 
     strokes: StrictStr
 
 
-class AxisEntry(_Entry):
+class AxisEntry(_Turnable):
     """A direction that follows an axis of space, laid onto the surface."""
 
     axis: Axis
 
 
-class DirectionEntry(_Entry):
-    """A direction from the surface alone: the smoothest there is, or the one that it bends most in."""
+class DirectionEntry(_Turnable):
+    """A direction from the surface alone: the smoothest, the most or the least bent one, or that of skin's lines."""
 
-    direction: Literal["smooth", "curvature"]
+    direction: Literal["smooth", "curvature", "least_curvature", "langer"]
+
+
+class VectorsEntry(_Turnable):
+    """Directions with lengths: red and green of a picture along u and v, blue of 1 as long as ``longest``."""
+
+    vectors: StrictStr
+    longest: PositiveMillimetres
+
+
+class VectorAttributeEntry(_Turnable):
+    """Directions with lengths: three numbers at each vertex or face, in mm unless ``longest`` scales them."""
+
+    vector_attribute: StrictStr
+    longest: PositiveMillimetres | None = None
+
+
+class CurvesEntry(_Entry):
+    """Curves through the strokes of a JSON file; its own ``width_mm`` and ``depth_mm`` go before these."""
+
+    curves: StrictStr
+    width: PositiveMillimetres = 1.0
+    depth: PositiveMillimetres = 0.2
 
 
 KINDS: dict[str, type[_Entry]] = {
     "image": ImageEntry,
+    "attribute": AttributeEntry,
     "part": PartEntry,
     "gradient": GradientEntry,
+    "slope": SlopeEntry,
     "noise": NoiseEntry,
     "curvature": CurvatureEntry,
+    "occlusion": OcclusionEntry,
+    "distance_to": DistanceEntry,
     "strokes": StrokesEntry,
     "axis": AxisEntry,
     "direction": DirectionEntry,
+    "vectors": VectorsEntry,
+    "vector_attribute": VectorAttributeEntry,
+    "curves": CurvesEntry,
 }
 """The key that says what an entry is, and the entry."""
 
@@ -121,13 +186,20 @@ def _kind(value: Any) -> str | None:
 FieldEntry = Annotated[
     Annotated[StrictStr | StrictFloat | StrictInt, Tag("expression")]
     | Annotated[ImageEntry, Tag("image")]
+    | Annotated[AttributeEntry, Tag("attribute")]
     | Annotated[PartEntry, Tag("part")]
     | Annotated[GradientEntry, Tag("gradient")]
+    | Annotated[SlopeEntry, Tag("slope")]
     | Annotated[NoiseEntry, Tag("noise")]
     | Annotated[CurvatureEntry, Tag("curvature")]
+    | Annotated[OcclusionEntry, Tag("occlusion")]
+    | Annotated[DistanceEntry, Tag("distance_to")]
     | Annotated[StrokesEntry, Tag("strokes")]
     | Annotated[AxisEntry, Tag("axis")]
-    | Annotated[DirectionEntry, Tag("direction")],
+    | Annotated[DirectionEntry, Tag("direction")]
+    | Annotated[VectorsEntry, Tag("vectors")]
+    | Annotated[VectorAttributeEntry, Tag("vector_attribute")]
+    | Annotated[CurvesEntry, Tag("curves")],
     Discriminator(
         _kind,
         custom_error_type="field_kind",
@@ -136,5 +208,53 @@ FieldEntry = Annotated[
 ]
 """One entry of ``[fields]``."""
 
-DIRECTIONS = (StrokesEntry, AxisEntry, DirectionEntry)
-"""Entries that are directions; all others are numbers."""
+DIRECTIONS = (StrokesEntry, AxisEntry, DirectionEntry, VectorsEntry, VectorAttributeEntry)
+"""Entries that are directions."""
+
+CURVES = (CurvesEntry,)
+"""Entries that are curves; all others are numbers."""
+
+_FILES = ("image", "strokes", "vectors", "curves")
+
+
+def named_files(entry: Any) -> tuple[str, ...]:
+    """List the keys of an entry that name files.
+
+    Parameters
+    ----------
+    entry : FieldEntry
+        Of a recipe.
+
+    Returns
+    -------
+    keys : tuple of str
+        ``distance_to`` among them where it ends in ``.json``.
+    """
+    if not isinstance(entry, BaseModel):
+        return ()
+    keys = tuple(key for key in _FILES if isinstance(getattr(entry, key, None), str))
+    strokes = (
+        isinstance(entry, DistanceEntry)
+        and isinstance(entry.distance_to, str)
+        and expression_of(entry) is None
+    )
+    return (*keys, "distance_to") if strokes else keys
+
+
+def expression_of(entry: Any) -> str | float | None:
+    """Give the expression that an entry is, or is worked out from.
+
+    Parameters
+    ----------
+    entry : FieldEntry
+        Of a recipe.
+
+    Returns
+    -------
+    expression : str or float or None
+        None for an entry that needs no other.
+    """
+    if isinstance(entry, DistanceEntry):
+        text = entry.distance_to
+        return text if isinstance(text, str) and not text.lower().endswith(".json") else None
+    return None if isinstance(entry, BaseModel) else entry

@@ -4,8 +4,50 @@ The text has been read by `tomllib` before, so it is well formed; this scanner o
 """
 
 import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 Path = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where each key of a recipe was written, for the start of a message.
+
+    Attributes
+    ----------
+    name : str
+        Of the file; empty where there is none.
+    lines : mapping of path to int
+        From `key_lines`.
+    changes : mapping of path to str
+        Keys that a ``--set`` gave, and how it was typed.
+    """
+
+    name: str = ""
+    lines: Mapping[Path, int] = field(default_factory=dict)
+    changes: Mapping[Path, str] = field(default_factory=dict)
+
+    def __call__(self, path: Path) -> str:
+        """Say where a key was written.
+
+        Parameters
+        ----------
+        path : tuple
+            Of the key; the nearest table above it is told where the key itself is unknown.
+
+        Returns
+        -------
+        text : str
+            Such as ``"shoe.toml:12: "``; empty where nobody knows.
+        """
+        for length in range(len(path), 0, -1):
+            if path[:length] in self.changes:
+                return f"--set {self.changes[path[:length]]}: "
+            if path[:length] in self.lines:
+                return f"{self.name}:{self.lines[path[:length]]}: "
+        return f"{self.name}: " if self.name else ""
+
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _SPACE = re.compile(r"(?:[ \t\r\n,]|#[^\n]*)+")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ValidationError
 
 from surftex.errors import RecipeError
-from surftex.recipe.fields import DIRECTIONS, KINDS
+from surftex.recipe.fields import CURVES, DIRECTIONS, KINDS, expression_of
 from surftex.recipe.hints import nearest
 from surftex.recipe.layer import Layer, material_class, plain_types, preset_material
 from surftex.recipe.lines import Path
@@ -173,15 +173,22 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
         return RecipeError(f"{where(path)}{_joined(path, values)}: {problem}")
 
     directions = {name for name, entry in recipe.fields_.items() if isinstance(entry, DIRECTIONS)}
-    numbers = {*recipe.fields_} - directions
+    curves = {name for name, entry in recipe.fields_.items() if isinstance(entry, CURVES)}
+    numbers = {*recipe.fields_} - directions - curves
     needs = {}
     for name, entry in recipe.fields_.items():
         try:
             check_name(name)
-            if not isinstance(entry, BaseModel):
-                needs[name] = _checked_expression(entry, numbers, directions)
+            text = expression_of(entry)
+            if text is not None:
+                needs[name] = _checked_expression(text, numbers, directions, curves)
         except RecipeError as problem:
-            raise located(("fields", name), problem) from None
+            key = (
+                ("distance_to",)
+                if isinstance(entry, BaseModel) and "distance_to" in type(entry).model_fields
+                else ()
+            )
+            raise located(("fields", name, *key), problem) from None
     try:
         refuse_circles(needs)
     except RecipeError as problem:
@@ -189,7 +196,7 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
     for i, layer in enumerate(recipe.layer):
         for key, text in _expressions(layer).items():
             try:
-                _checked_expression(text, numbers, directions)
+                _checked_expression(text, numbers, directions, curves)
             except RecipeError as problem:
                 raise located(("layer", i, key), problem) from None
         for key, name in _directions(layer).items():
@@ -203,7 +210,9 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
                 raise located(("layer", i, key), what)
 
 
-def _checked_expression(value: str | float, numbers: set[str], directions: set[str]) -> frozenset[str]:
+def _checked_expression(
+    value: str | float, numbers: set[str], directions: set[str], curves: set[str]
+) -> frozenset[str]:
     from surftex.fields.expressions import Expression
     from surftex.units import length_mm
 
@@ -217,6 +226,8 @@ def _checked_expression(value: str | float, numbers: set[str], directions: set[s
     for name in sorted(expression.names):
         if name in directions:
             raise RecipeError(f"{expression.text!r}: field {name!r} is a direction, not a number")
+        if name in curves:
+            raise RecipeError(f"{expression.text!r}: field {name!r} is curves, not a number; try distance_to")
         if name not in numbers:
             hint = nearest(name, numbers) or "; [fields] has none"
             raise RecipeError(f"{expression.text!r}: unknown field {name!r}{hint}")

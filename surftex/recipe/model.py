@@ -8,6 +8,7 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    PrivateAttr,
     StrictBool,
     StrictInt,
     StrictStr,
@@ -17,6 +18,7 @@ from pydantic import (
 from surftex.errors import RecipeError
 from surftex.recipe.fields import FieldEntry, PositiveMillimetres
 from surftex.recipe.layer import Layer
+from surftex.recipe.lines import Places
 
 MAPS = (
     "base_color", "roughness", "metallic", "specular", "subsurface", "subsurface_radius_mm", "normal", "height",
@@ -104,6 +106,43 @@ class Recipe(BaseModel):
     bake: BakeSettings = BakeSettings()
     fields_: dict[str, FieldEntry] = Field(default_factory=dict, alias="fields")
     layer: tuple[Layer, ...]
+    _where: Places = PrivateAttr(default_factory=Places)
+
+    def located(self, where: Places) -> "Recipe":
+        """Remember where each key was written, for mistakes that only the mesh brings to light.
+
+        Parameters
+        ----------
+        where : Places
+            Of its keys.
+
+        Returns
+        -------
+        recipe : Recipe
+            Itself.
+        """
+        self._where = where
+        return self
+
+    @property
+    def places(self) -> Places:
+        """Where its keys were written."""
+        return self._where
+
+    def where(self, *path: str | int) -> str:
+        """Say where a key was written.
+
+        Parameters
+        ----------
+        *path : str or int
+            Of the key, such as ``"fields", "toe"``.
+
+        Returns
+        -------
+        text : str
+            For the start of a message; empty where nobody knows.
+        """
+        return self._where(path)
 
     @field_validator("layer")
     @classmethod
@@ -166,8 +205,9 @@ class Recipe(BaseModel):
         if isinstance(material, Recipe):
             values: dict[str, Any] = dict(material)
             values["fields"] = values.pop("fields_")
+            where = material._where
         elif isinstance(material, BaseModel) and hasattr(material, "place"):
-            values = {"layer": (Layer(material=material),)}
+            values, where = {"layer": (Layer(material=material),)}, Places()
         else:
             raise RecipeError(
                 f"{type(material).__name__} is no material; take a Leather, a Recipe, or the name of a preset"
@@ -177,7 +217,7 @@ class Recipe(BaseModel):
         if given:
             bake = values.get("bake", BakeSettings())
             values["bake"] = {**bake.model_dump(), **given}
-        return checked_recipe(values)
+        return checked_recipe(values).located(where)
 
     def written_out(self) -> dict[str, Any]:
         """Write the recipe out with every default, as reports do.

@@ -8,14 +8,12 @@ from typing import Any
 from surftex.errors import RecipeError
 from surftex.recipe import lines
 from surftex.recipe.changes import change
+from surftex.recipe.fields import named_files
 from surftex.recipe.layer import preset_material
 from surftex.recipe.mistakes import checked_recipe
 from surftex.recipe.model import Recipe
 
 _LARGEST_BYTES = 4 * 2**20
-
-_FILE_KEYS = ("image", "strokes")
-"""Keys of a field that name a file."""
 
 
 def load_recipe(path: str | Path, *, allow_outside: bool = False, changes: Iterable[str] = ()) -> Recipe:
@@ -88,18 +86,9 @@ def recipe_from_text(
         raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
     except RecursionError:
         raise RecipeError(f"{name}: nested too deeply to be read") from None
-    set_by = {change(values, each): each for each in changes}
-
-    def where(path: lines.Path) -> str:
-        for length in range(len(path), 0, -1):
-            if path[:length] in set_by:
-                return f"--set {set_by[path[:length]]}: "
-            if path[:length] in known:
-                return f"{name}:{known[path[:length]]}: "
-        return f"{name}: "
-
+    where = lines.Places(name, known, {change(values, each): each for each in changes})
     recipe = checked_recipe(values, where)
-    return _with_paths(recipe, folder or Path(), where, allow_outside=allow_outside)
+    return _with_paths(recipe, folder or Path(), where, allow_outside=allow_outside).located(where)
 
 
 def recipe_from_preset(name: str, *, changes: Iterable[str] = ()) -> Recipe:
@@ -123,14 +112,8 @@ def recipe_from_preset(name: str, *, changes: Iterable[str] = ()) -> Recipe:
         If there is no such preset, or a change does not fit.
     """
     values: dict[str, Any] = {"surftex": 1, "layer": [{"material": preset_material(name), "preset": name}]}
-    set_by = {change(values, each): each for each in changes}
-
-    def where(path: lines.Path) -> str:
-        return next(
-            (f"--set {set_by[path[:i]]}: " for i in range(len(path), 0, -1) if path[:i] in set_by), ""
-        )
-
-    return checked_recipe(values, where)
+    where = lines.Places(changes={change(values, each): each for each in changes})
+    return checked_recipe(values, where).located(where)
 
 
 def recipe_for(material: str | Path, *, allow_outside: bool = False, changes: Iterable[str] = ()) -> Recipe:
@@ -215,10 +198,9 @@ def _with_paths(recipe: Recipe, folder: Path, where: Any, *, allow_outside: bool
     if mesh.path is not None:
         mesh = mesh.model_copy(update={"path": inside(mesh.path, ("mesh", "path"))})
     for name, entry in fields.items():
-        for key in _FILE_KEYS:
-            if hasattr(entry, key):
-                place = inside(getattr(entry, key), ("fields", name, key))
-                fields[name] = entry.model_copy(update={key: place})  # type: ignore[union-attr]
+        for key in named_files(entry):
+            place = inside(getattr(entry, key), ("fields", name, key))
+            fields[name] = fields[name].model_copy(update={key: place})  # type: ignore[union-attr]
     return recipe.model_copy(update={"mesh": mesh, "fields_": fields})
 
 
@@ -237,5 +219,5 @@ def recipe_files(recipe: Recipe) -> list[Path]:
     """
     found: dict[Path, None] = {}
     for entry in recipe.fields_.values():
-        found.update((Path(getattr(entry, key)), None) for key in _FILE_KEYS if hasattr(entry, key))
+        found.update((Path(getattr(entry, key)), None) for key in named_files(entry))
     return list(found)

@@ -3,6 +3,7 @@
 Nothing is moved, but for vertices that merge. What is dropped, cut or turned is counted, a line each.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +41,8 @@ class Repaired:
         As given.
     source_face : (m,) int64
         The given face that each comes from.
+    attributes : dict of str to (m, 3) or (m, 3, k) float64
+        As given, corner by corner.
     warnings : tuple of str
         What was mended.
     """
@@ -50,6 +53,7 @@ class Repaired:
     corner_normal: NDArray[np.float64] | None
     part: NDArray[np.int32]
     source_face: NDArray[np.int64]
+    attributes: dict[str, NDArray[np.float64]]
     warnings: tuple[str, ...]
 
 
@@ -60,6 +64,7 @@ def repair(
     corner_uv: ArrayLike | None = None,
     corner_normal: ArrayLike | None = None,
     part: ArrayLike | None = None,
+    attributes: Mapping[str, NDArray[np.float64]] | None = None,
     weld_tolerance: float = 1e-6,
 ) -> Repaired:
     """Mend triangles until they are a surface.
@@ -76,6 +81,8 @@ def repair(
         Carried along; NaN or zero where missing.
     part : (m,) int, optional
         Carried along; decides which faces belong together where more than two meet at an edge.
+    attributes : mapping of str to (m, 3) or (m, 3, k) float, optional
+        Carried along, corner by corner.
     weld_tolerance : float
         Vertices closer than this share of the bounding box's diagonal merge.
 
@@ -134,11 +141,20 @@ def repair(
     if split:
         warnings.append(f"{split} vertices where sheets touch only at a point (non-manifold) were split")
 
-    uv = _carried(corner_uv, "corner_uv", len(file_faces), 2, source, turned)
-    normal = _carried(corner_normal, "corner_normal", len(file_faces), 3, source, turned)
+    count = len(file_faces)
+    uv = None if corner_uv is None else _carried(corner_uv, "corner_uv", (count, 3, 2), source, turned)
+    normal = (
+        None
+        if corner_normal is None
+        else _carried(corner_normal, "corner_normal", (count, 3, 3), source, turned)
+    )
+    numbers = {
+        name: _carried(value, name, (count, 3, *np.shape(value)[2:]), source, turned)
+        for name, value in (attributes or {}).items()
+    }
     if normal is not None:
         normal = _sound_normals(points[kept], triangles, normal, warnings)
-    return Repaired(points[kept], triangles, uv, normal, labels, source, tuple(warnings))
+    return Repaired(points[kept], triangles, uv, normal, labels, source, numbers, tuple(warnings))
 
 
 def extent(places: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -263,18 +279,15 @@ def _clashes(
 
 
 def _carried(
-    values: ArrayLike | None,
+    values: ArrayLike,
     name: str,
-    count: int,
-    width: int,
+    shape: tuple[int, ...],
     source: NDArray[np.int64],
     turned: NDArray[np.bool_],
-) -> NDArray[np.float64] | None:
-    if values is None:
-        return None
+) -> NDArray[np.float64]:
     array = np.asarray(values, np.float64)
-    if array.shape != (count, 3, width):
-        raise SurfaceError(f"{name} has shape {array.shape}; it takes ({count}, 3, {width})")
+    if array.shape != shape:
+        raise SurfaceError(f"{name} has shape {array.shape}; it takes {shape}")
     array = array[source]
     array[turned] = array[turned][:, [0, 2, 1]]
     return array

@@ -7,8 +7,11 @@ Each face has a frame of its own: corner 0 at the origin, corner 1 on the x axis
 runs from corner i to corner i+1. Tangent vectors and directions are two numbers in the frame of their face.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,6 +50,8 @@ class Surface:
         Millimetres in a unit of the file.
     warnings : tuple of str
         What loading mended, a line each.
+    attributes : mapping of str to (m, 3) or (m, 3, k) float64
+        Painted or computed numbers by name, at the corners of each face; NaN where the file has none.
     """
 
     vertices: NDArray[np.float64]
@@ -62,6 +67,7 @@ class Surface:
     warnings: tuple[str, ...]
     neighbor: NDArray[np.int32]
     neighbor_edge: NDArray[np.int32]
+    attributes: Mapping[str, NDArray[np.float64]] = field(default_factory=lambda: MappingProxyType({}))
 
     def __repr__(self) -> str:
         return (
@@ -83,6 +89,7 @@ class Surface:
         sha256: str = "",
         mm_per_unit: float = 1.0,
         warnings: tuple[str, ...] = (),
+        attributes: Mapping[str, ArrayLike] | None = None,
     ) -> "Surface":
         """Check the arrays, glue the faces, freeze all.
 
@@ -110,6 +117,8 @@ class Surface:
             Millimetres in a unit of the file.
         warnings : tuple of str
             What loading mended.
+        attributes : mapping of str to (m, 3) or (m, 3, k) float, optional
+            Numbers at the corners of the faces.
 
         Returns
         -------
@@ -161,6 +170,9 @@ class Surface:
             warnings=tuple(warnings),
             neighbor=frozen(neighbor),
             neighbor_edge=frozen(neighbor_edge),
+            attributes=MappingProxyType(
+                {name: _corner_numbers(name, value, count) for name, value in (attributes or {}).items()}
+            ),
         )
         if surface.part.min() < 0 or surface.part.max() >= len(surface.part_names):
             raise SurfaceError(
@@ -174,6 +186,46 @@ class Surface:
                 "Drop them with surftex.surface.repair.repair"
             )
         return surface
+
+    def with_attributes(
+        self, values: Mapping[str, ArrayLike], at: Literal["vertices", "faces", "corners"] = "vertices"
+    ) -> "Surface":
+        """Hang numbers on the surface, for fields to read.
+
+        Parameters
+        ----------
+        values : mapping of str to array
+            By name: (n,) or (n, k) for the vertices, (m,) or (m, k) for the faces, (m, 3) or (m, 3, k) for the
+            corners. Names that are there already are replaced.
+        at : str
+            ``"vertices"``, ``"faces"`` or ``"corners"``.
+
+        Returns
+        -------
+        surface : Surface
+            The same, with the attributes.
+
+        Raises
+        ------
+        SurfaceError
+            If an array has another length, or `at` is none of these.
+        """
+        count = {"vertices": len(self.vertices), "faces": len(self.faces), "corners": len(self.faces)}
+        if at not in count:
+            raise SurfaceError(f"at = {at!r}; it takes {', '.join(map(repr, count))}")
+        hung = dict(self.attributes)
+        for name, value in values.items():
+            array = np.asarray(value)
+            if array.ndim == 0 or len(array) != count[at]:
+                raise SurfaceError(
+                    f"attribute {name!r} has shape {array.shape}; the surface has {count[at]} {at}"
+                )
+            if at == "vertices":
+                array = array[self.faces]
+            elif at == "faces":
+                array = np.repeat(array[:, None], 3, axis=1)
+            hung[name] = _corner_numbers(name, array, len(self.faces))
+        return replace(self, attributes=MappingProxyType(hung))
 
     @cached_property
     def edge_length(self) -> NDArray[np.float64]:
@@ -321,6 +373,17 @@ class Surface:
             (np.ones(len(a), np.int8), (compact[: len(a)], compact[len(a) :])), shape=(len(used),) * 2
         )
         return int(connected_components(graph, directed=False)[0])
+
+
+def _corner_numbers(name: str, value: ArrayLike, count: int) -> NDArray[np.float64]:
+    """(count, 3) or (count, 3, k) numbers; they may be missing, as NaN, where nobody asks for them."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf" or array.ndim not in (2, 3) or array.shape[:2] != (count, 3):
+        raise SurfaceError(
+            f"attribute {name!r} has shape {array.shape} of {array.dtype}; it takes numbers, ({count}, 3) or "
+            f"({count}, 3, k)"
+        )
+    return frozen(np.array(array, np.float64))
 
 
 def _glue(faces: NDArray[np.int32], vertex_count: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -6,7 +6,7 @@ import imagecodecs
 import numpy as np
 import pytest
 
-from surftex.bake.fields import make_fields, read_strokes
+from surftex.bake.fields import make_fields, stroke_directions
 from surftex.errors import RecipeError
 from surftex.files.pictures import read_mask, read_picture
 from surftex.recipe.model import Recipe
@@ -48,7 +48,7 @@ def test_strokes_turn_the_direction(tmp_path):
     surface = plane(10.0, cells=8)
     path = tmp_path / "grain.json"
     path.write_text(json.dumps({"strokes": [[[1, 1, 0.5], [5, 5, 0.5], [9, 9, 0.5]]]}))
-    points, angle = read_strokes(path, surface)
+    points, angle = stroke_directions(path, surface)
     direction = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     space = np.einsum("pk,pki->pi", direction, surface.frame[points.face, :2])
     np.testing.assert_allclose(space, [[0.5**0.5, 0.5**0.5, 0]] * 2, atol=1e-9)
@@ -59,8 +59,23 @@ def test_strokes_turn_the_direction(tmp_path):
     ("content", "says"),
     [
         ("{}", "holds no strokes"),
-        ("[1", "holds no strokes"),
-        ('{"strokes": [[[0, 0]]]}', "holds no strokes"),
+        ("[1", "at line 1 holds no strokes: it is no JSON"),
+        ('{"strokes": [[[0, 0]]]}', r"grain.json: strokes\[0\]\[0\] holds no strokes"),
+        ('{"strokes": [[[0, 0, true]]]}', r"strokes\[0\]\[0\]: True is no number"),
+        ('{"strokes": [[[0, 0, 1e99]]]}', "are its axes and unit those of the mesh file"),
+        (
+            '{"strokes": [{"points": [[0, 0, 0]], "width_mm": "wide"}]}',
+            r"strokes\[0\].width_mm: 'wide' is no number",
+        ),
+        (
+            '{"points": {"a": {"face": 900, "barycentric": [1, 0, 0]}}}',
+            r"points.a: face 900 is none of 0 to 511",
+        ),
+        ('{"points": {"a": {"face": 9, "barycentric": [1, 1, 0]}}}', "no weights with sum 1"),
+        (
+            '{"faces": 8, "points": [{"face": 9, "barycentric": [1, 0, 0]}]}',
+            "drawn on a mesh of 8 faces, and this one has 512",
+        ),
         ('{"strokes": [[[0, 0, 0]]]}', "no stroke of two points"),
         ('{"strokes": [[[5, 5, 0], [5, 5, 9]]]}', "has a direction on the surface"),
         ('{"strokes": [[[5, 5, 0], [NaN, 5, 9]]]}', "not finite"),

@@ -110,6 +110,21 @@ def test_drawn_controls_of_any_number_make_a_curve():
     assert np.unique(pieces.curve).tolist() == [3, 5]
 
 
+def test_a_sharp_zigzag_has_no_kinks_either():
+    sheet = plane(40.0, cells=1)
+    places = np.stack([np.linspace(5, 35, 8), np.where(np.arange(8) % 2, 28.0, 12.0), np.zeros(8)], axis=1)
+    turns = []
+    for depth in (4, 6):
+        pieces = spline(sheet, at(sheet, *places), np.zeros(8, int), depth=depth)
+        step = (pieces.points(sheet, 1.0).positions(sheet) - pieces.points(sheet, 0.0).positions(sheet))[
+            :, :2
+        ]
+        step = step[np.linalg.norm(step, axis=1) > 1e-6]
+        heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
+        turns.append(np.degrees(np.abs(np.diff(heading)).max()))
+    assert turns[1] < 0.4 * turns[0] < 20
+
+
 def test_curves_over_several_components_are_left_out():
     one = plane(10.0, cells=2)
     pair = Surface.from_arrays(

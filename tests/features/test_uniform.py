@@ -135,7 +135,7 @@ def test_a_power_gathers_points_where_a_field_is_high():
 def test_a_narrow_field_is_met_and_a_wide_one_moves_nothing():
     from surftex.fields.sources import SpannedField, gradient_field
 
-    sheet = plane(10.0, cells=100)
+    sheet = plane(10.0, cells=200)
     narrow = gradient_field(sheet, [1, 0, 0], 9.9, 10.0)
     points = scatter(sheet, stream(11, "narrow"), count=500, weight=narrow)
     assert (points.positions(sheet)[:, 0] > 9.9).all()
