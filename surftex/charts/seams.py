@@ -21,6 +21,9 @@ from surftex.surface.surface import Surface
 Decode = Callable[[NDArray[np.float64], SurfacePoints], NDArray[np.float64]]
 """Turns looked-up values, and the places on the side of the seam they were looked up for, into what is compared."""
 
+HARD_DEGREES = 1.0
+"""Angle between the shading normals of two sides from which on an edge counts as hard."""
+
 
 @dataclass(frozen=True, eq=False)
 class SeamSamples:
@@ -34,6 +37,8 @@ class SeamSamples:
         Where the two sides lie on the page.
     length_mm : (s,) float64
         Piece of seam that a sample stands for.
+    hard : (s,) bool
+        Whether the mesh's own shading normals part there by more than `HARD_DEGREES`.
     """
 
     here: SurfacePoints
@@ -41,9 +46,26 @@ class SeamSamples:
     here_uv: NDArray[np.float64]
     there_uv: NDArray[np.float64]
     length_mm: NDArray[np.float64]
+    hard: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.here)
+
+    def soft(self) -> "SeamSamples":
+        """Leave out hard edges, where normals jump because the mesh does.
+
+        Returns
+        -------
+        samples : SeamSamples
+            The others.
+        """
+        kept = ~self.hard
+        here, there = (
+            SurfacePoints.trusted(side.face[kept], side.barycentric[kept]) for side in (self.here, self.there)
+        )
+        return SeamSamples(
+            here, there, self.here_uv[kept], self.there_uv[kept], self.length_mm[kept], self.hard[kept]
+        )
 
 
 @dataclass(frozen=True)
@@ -128,7 +150,13 @@ def seam_samples(surface: Surface, atlas: Atlas, resolution: int, *, per_texel: 
 
     here, here_uv = side(face[index], edge[index], along)
     there, there_uv = side(other[index], other_edge[index], 1 - along)
-    return SeamSamples(here, there, here_uv, there_uv, surface.edge_length[face, edge][index] / count[index])
+    normal = [
+        np.einsum("sk,ski->si", part.barycentric, surface.shading_normal[part.face]) for part in (here, there)
+    ]
+    length = np.linalg.norm(normal, axis=2).prod(axis=0)
+    hard = (normal[0] * normal[1]).sum(axis=1) < np.cos(np.radians(HARD_DEGREES)) * length
+    length_mm = surface.edge_length[face, edge][index] / count[index]
+    return SeamSamples(here, there, here_uv, there_uv, length_mm, hard)
 
 
 def seam_jumps(
@@ -192,18 +220,20 @@ def seam_report(
     mips : int
         Levels to measure.
     decode : mapping of str to callable, optional
-        For maps whose values are compared in another space, as in `seam_jumps`.
+        For maps whose values are compared as directions in space, as in `seam_jumps`; on hard edges of the mesh
+        they are not compared.
 
     Returns
     -------
     report : dict
-        ``length_mm``, ``samples``, ``maps``: per name ``rms``, ``p99``, ``max`` of mip 0 and a list
-        ``mips``, all in the map's own unit; ``max``, ``rms``: the worst map's, as shares of its range of
-        values.
+        ``length_mm``, ``samples``, ``hard_share`` (of them, on hard edges), ``maps``: per name ``rms``,
+        ``p99``, ``max`` of mip 0 and a list ``mips``, all in the map's own unit; ``max``, ``rms``: the worst
+        map's, as shares of its range of values.
     """
     report: dict[str, Any] = {
         "length_mm": atlas.seam_length_mm(surface),
         "samples": 0,
+        "hard_share": 0.0,
         "max": 0.0,
         "rms": 0.0,
         "maps": {},
@@ -214,9 +244,11 @@ def seam_report(
         if side not in placed:
             placed[side] = seam_samples(surface, atlas, side)
         samples = placed[side]
-        jumps = seam_jumps(samples, image, mips=mips, decode=(decode or {}).get(name))
+        told = (decode or {}).get(name)
+        jumps = seam_jumps(samples.soft() if told else samples, image, mips=mips, decode=told)
         report["maps"][name] = {**jumps[0].as_dict(), "mips": [jump.as_dict() for jump in jumps]}
-        report["samples"] = max(report["samples"], len(samples))
+        if len(samples) > report["samples"]:
+            report["samples"], report["hard_share"] = len(samples), float(samples.hard.mean())
         full = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else 1.0
         spread = (float(image.max()) - float(image.min())) / full
         if spread > 0:

@@ -35,16 +35,23 @@ def run(options: Namespace) -> None:
     recipe = make_recipe(options)
     folder = Path(options.out) if options.out else Path(f"{_stem(recipe)}-{_material_name(options, recipe)}")
     _check(folder, recipe, overwrite=options.overwrite)
-    _announce(options)
 
     from surftex.bake.bake import run as bake_run
     from surftex.bake.saving import save
     from surftex.kernels import store
 
-    threads = options.threads
+    threads, cold = options.threads, not store.is_warm() and not options.quiet
     with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
+
+        def told(stage: str, share: float) -> None:
+            nonlocal cold
+            if cold and stage != "load":  # by then the mesh is known to be good
+                cold = False
+                note("compiling kernels, once; this takes about half a minute")
+            watch(stage, share)
+
         baked = bake_run(
-            recipe, features=options.features, threads=threads, tile=options.tile, progress=watch,
+            recipe, features=options.features, threads=threads, tile=options.tile, progress=told,
             remember=options.cache,
         )  # fmt: skip
         paths = save(baked, folder, overwrite=options.overwrite, threads=threads, progress=watch)
@@ -125,10 +132,3 @@ def _check(folder: Path, recipe: "Recipe", *, overwrite: bool) -> None:
     from surftex.files.output import check_output
 
     check_output(folder, [f"{_stem(recipe)}.glb", "features.npz", "report.json"], overwrite=overwrite)
-
-
-def _announce(options: Namespace) -> None:
-    from surftex.kernels import store
-
-    if not store.is_warm() and not options.quiet:
-        note("compiling kernels, once; this takes about half a minute")

@@ -1,7 +1,7 @@
 """Finer triangles for a surface: every edge cut at its middle until none is too long, without cracks.
 
 Edges are cut by their length alone, so both faces of an edge cut it alike: no T-junctions, and what was closed
-stays closed.
+stays closed. Short edges of long thin faces are left whole.
 """
 
 from typing import NamedTuple
@@ -21,6 +21,16 @@ _TRIANGLES = {
     7: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
 }
 """Children by which edges are cut (bits 0 to 2); 3 to 5 are the middles of edges 0 to 2."""
+
+_TWO_CUT = {
+    (0, 1): ((0, 3, 2), (3, 1, 4), (3, 4, 2)),
+    (0, 2): ((3, 1, 2), (0, 3, 5), (5, 3, 2)),
+    (1, 2): ((1, 4, 0), (4, 2, 5), (4, 5, 0)),
+    (1, 0): ((4, 2, 0), (1, 4, 3), (3, 4, 0)),
+    (2, 0): ((2, 5, 1), (5, 0, 3), (5, 3, 1)),
+    (2, 1): ((5, 0, 1), (2, 5, 4), (4, 5, 1)),
+}
+"""Children where two edges are cut: the longer one first, from its middle to the corner across, then the other."""
 
 
 class Subdivided(NamedTuple):
@@ -104,29 +114,15 @@ def _halved(
     long: NDArray[np.bool_],
 ) -> Subdivided:
     """Cut the edges that are marked, once."""
-    long = _with_longest(length, long, index)
     number = np.full(len(ends), -1)
     number[long] = len(fine.vertices) + np.arange(long.sum())
     vertices = np.concatenate([fine.vertices, 0.5 * fine.vertices[ends[long]].sum(axis=1)])
-    faces, parent, weight = _cut(fine.faces.astype(np.int64), fine.parent, fine.weight, number[index])
+    longest = length[index].argmax(axis=1)
+    faces, parent, weight = _cut(
+        fine.faces.astype(np.int64), fine.parent, fine.weight, number[index], longest
+    )
     points = _places(faces, parent, weight, len(vertices))
     return Subdivided(parent.astype(np.int32), weight, faces.astype(np.int32), points, vertices)
-
-
-def _with_longest(
-    length: NDArray[np.float64], long: NDArray[np.bool_], edges: NDArray[np.int64]
-) -> NDArray[np.bool_]:
-    """Spread cuts until each face that is cut is cut at its longest edge too, and none at just two others."""
-    longest = edges[np.arange(len(edges)), length[edges].argmax(axis=1)]
-    while True:
-        cut = long[edges]
-        more = long.copy()
-        more[longest[cut.any(axis=1)]] = True
-        cut = more[edges]
-        more[edges[cut.sum(axis=1) == 2]] = True
-        if (more == long).all():
-            return long
-        long = more
 
 
 def _cut(
@@ -134,14 +130,20 @@ def _cut(
     parent: NDArray[np.integer],
     weight: NDArray[np.float64],
     middle: NDArray[np.int64],
+    longest: NDArray[np.integer],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     """Replace each face by its children; `middle` is the new vertex of each edge, -1 where it stays."""
     corner = np.concatenate([faces, middle], axis=1)
     place = np.concatenate([weight, 0.5 * (weight + np.roll(weight, -1, axis=1))], axis=1)
     kind = (middle >= 0) @ [1, 2, 4]
+    ways = [(kind == bits, triangles) for bits, triangles in _TRIANGLES.items()]
+    ways += [
+        ((kind == (1 << first) + (1 << second)) & (longest == first), triangles)
+        for (first, second), triangles in _TWO_CUT.items()
+    ]
     children, parents, weights, order = [], [], [], []
-    for bits, triangles in _TRIANGLES.items():
-        chosen = np.flatnonzero(kind == bits)
+    for taken, triangles in ways:
+        chosen = np.flatnonzero(taken)
         for turn, triangle in enumerate(triangles):
             children.append(corner[chosen][:, triangle])
             weights.append(place[chosen][:, triangle])
