@@ -54,7 +54,9 @@ def slope(pattern, surface, points, footprint_mm):
 
 
 def height_at(stack, points, footprint_mm):
-    return stack.at(Samples(points, footprint_mm.astype(np.float32)), ("height_mm",))["height_mm"].astype(float)
+    return stack.at(Samples(points, footprint_mm.astype(np.float32)), ("height_mm",))["height_mm"].astype(
+        float
+    )
 
 
 def bent(surface, points, gradient):
@@ -140,10 +142,12 @@ def main() -> None:
             baked = run(recipe, surface)
             for name, row in measure(baked, options.size).items():
                 numbers = "   ".join(f"{jump:.5f} / {error:.5f} = {jump / error:5.2f}" for jump, error in row)
-                print(f"{surface.name:<24}{name:<8}{'equalised' if equalise else '':<10}{numbers}", flush=True)
+                print(
+                    f"{surface.name:<24}{name:<8}{'equalised' if equalise else '':<10}{numbers}", flush=True
+                )
             if "equalised" in baked.maps.report:
                 print(f"  {baked.maps.report['equalised']}")
-                print([s for s in baked.maps.report['stages'] if s['name'] == 'equalise'])
+                print([s for s in baked.maps.report["stages"] if s["name"] == "equalise"])
 
 
 if __name__ == "__main__":
