@@ -22,11 +22,12 @@ from surftex.kernels.pool import Tick, slices
 from surftex.materials.layers import CHANNELS, RAW
 from surftex.surface.surface import Surface
 
-TILE_TEXELS = 1 << 22
-"""Texels of a tile where none is asked for: the whole page up to 2048 x 2048."""
+TILE_TEXELS = 1 << 21
+"""Texels of a tile where none is asked for: half of a page of 2048 x 2048."""
 
 _SLICE = 1 << 15
-_CHANNEL_OF = {"height": "height_mm", "normal": "height_mm", "ambient_occlusion": "height_mm"}
+_FROM_HEIGHT = ("normal", "ambient_occlusion")
+_CHANNEL_OF = {"height": "height_mm", **dict.fromkeys(_FROM_HEIGHT, "height_mm")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +127,6 @@ def bake_pages(
         Every texel filled.
     """
     gutter = default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px
-    channels = tuple(dict.fromkeys(_CHANNEL_OF.get(name, name) for name in maps))
     images = {name: _page(name, resolution) for name in maps}
     mapped = np.zeros((resolution, resolution), bool)
     core = 0
@@ -138,14 +138,15 @@ def bake_pages(
         share = (
             None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
         )
-        values = _evaluated(surface, stack, tile, channels, threads, share)
+        height = _evaluated(surface, stack, tile, (first, last), images, threads, share)
         own = slice(*np.searchsorted(tile.texel, [first * resolution, last * resolution]))
         place = tile.texel[own]
         mapped.ravel()[place] = True
         core += int(np.count_nonzero(tile.core[own]))
         for name, page in images.items():
-            result = tools.map(name, tile, values)
-            page.reshape(resolution * resolution, *page.shape[2:])[place] = result[own]
+            if name in _FROM_HEIGHT:
+                result = tools.map(name, tile, height)
+                page.reshape(resolution * resolution, *page.shape[2:])[place] = result[own]
     count = int(np.count_nonzero(mapped))
     if count == 0:
         raise InputError(f"no texel of {resolution} x {resolution} shows the surface; raise the resolution")
@@ -215,28 +216,44 @@ def _evaluated(
     surface: Surface,
     stack: Stack,
     tile: Texels,
-    channels: tuple[str, ...],
+    rows: tuple[int, int],
+    images: dict[str, NDArray[Any]],
     threads: int | None,
     tick: Tick | None,
-) -> dict[str, NDArray[Any]]:
-    """Evaluate the layers at a tile, in slices of samples that lie face by face."""
+) -> NDArray[np.float32]:
+    """Write what the layers say of the texels in `rows` into the images; the height of all texels of the tile.
+
+    Samples are asked in slices, and face by face.
+    """
     from surftex.kernels.ordering import order_by_face
 
-    samples, faces = tile.samples, len(surface.faces)
+    samples, width = tile.samples, tile.width
     order = np.zeros(len(samples), np.int32)
-    order_by_face(read_only_view(samples.points.face, np.int32), np.zeros(faces + 1, np.int64), order)
-    values = {
-        channel: np.zeros((len(samples), *_page(channel, 1).shape[2:]), _page(channel, 1).dtype)
-        for channel in channels
+    place = np.zeros(len(surface.faces) + 1, np.int64)
+    order_by_face(read_only_view(samples.points.face, np.int32), place, order)
+    pages = {
+        name: page.reshape(width * width, *page.shape[2:])
+        for name, page in images.items()
+        if name not in _FROM_HEIGHT
     }
+    looked_around = len(pages) < len(images)
+    height = np.zeros(len(samples) if looked_around else 0, np.float32)
+    channels = {_CHANNEL_OF.get(name, name) for name in images}
+    asked = tuple(name for name in CHANNELS if name in channels)
+    whole = tile.rows == rows
 
     def work(first: int, last: int) -> None:
         chosen = order[first:last]
-        for channel, value in stack.at(samples.taken(chosen), channels).items():
-            values[channel][chosen] = value
+        values = stack.at(samples.taken(chosen), asked)
+        if looked_around:
+            height[chosen] = values["height_mm"]
+        texel = tile.texel[chosen]
+        own = slice(None) if whole else (texel >= rows[0] * width) & (texel < rows[1] * width)
+        for name, page in pages.items():
+            page[texel[own]] = values[_CHANNEL_OF.get(name, name)][own]
 
     slices(work, len(samples), size=_SLICE, threads=threads, tick=tick)
-    return values
+    return height
 
 
 class _Tools:
@@ -244,32 +261,25 @@ class _Tools:
 
     def __init__(self, surface: Surface, atlas: Atlas, maps: tuple[str, ...], threads: int | None) -> None:
         self.surface, self.atlas, self.threads = surface, atlas, threads
-        self.looks_around = bool({"normal", "ambient_occlusion"} & set(maps))
+        self.maps = set(maps)
         from surftex.maps.normal import surface_tangents
 
         self.tangents = surface_tangents(surface, atlas)
 
     def margin_px(self, gutter: int) -> int:
         """Rows beyond a tile that its maps depend on."""
-        return 2 * max(gutter, 16) + 8 if self.looks_around else 0
+        if "ambient_occlusion" in self.maps or ("normal" in self.maps and self.surface.on_border.any()):
+            return 2 * max(gutter, 16) + 8
+        return 1 if "normal" in self.maps else 0
 
-    def map(self, name: str, tile: Texels, values: dict[str, NDArray[Any]]) -> NDArray[Any]:
-        """Make one map at the texels of a tile."""
+    def map(self, name: str, tile: Texels, height_mm: NDArray[np.float32]) -> NDArray[Any]:
+        """Make one of the maps that look around, at the texels of a tile."""
         if name == "normal":
             from surftex.maps.normal import normal_map
 
             return normal_map(
-                self.surface,
-                self.atlas,
-                tile,
-                values["height_mm"],
-                tangents=self.tangents,
-                threads=self.threads,
+                self.surface, self.atlas, tile, height_mm, tangents=self.tangents, threads=self.threads
             )
-        if name == "ambient_occlusion":
-            from surftex.maps.occlusion import ambient_occlusion
+        from surftex.maps.occlusion import ambient_occlusion
 
-            return ambient_occlusion(
-                self.surface, self.atlas, tile, values["height_mm"], threads=self.threads
-            )
-        return values[_CHANNEL_OF.get(name, name)]
+        return ambient_occlusion(self.surface, self.atlas, tile, height_mm, threads=self.threads)

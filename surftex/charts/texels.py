@@ -235,7 +235,9 @@ def texels(
 
     bands = -(-last // BAND_ROWS) - first // BAND_ROWS
     found = slices(work, bands, size=1, threads=threads, tick=tick)
-    texel, face, weight, core, host, turn = (np.concatenate(part) for part in zip(*found, strict=True))
+    parts = [list(part) for part in zip(*found, strict=True)]
+    found.clear()  # each column goes as soon as it is joined, so that the page is never held twice
+    texel, face, weight, core, host, turn = (_joined(part) for part in parts)
     jacobian = atlas.jacobian_mm(surface, resolution)
     side = np.sqrt(np.abs(jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]))
     return Texels(
@@ -250,6 +252,13 @@ def texels(
         turn_rad=turn,
         _corner_px=corner,
     )
+
+
+def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
+    """Join arrays, and let go of them."""
+    whole = np.concatenate(parts)
+    parts.clear()
+    return whole
 
 
 def default_gutter_px(atlas: Atlas, resolution: int) -> int:

@@ -65,13 +65,25 @@ def height_gradient(
         mm per mm, in the frame of the face that each texel lies in, or whose chart it continues. Not to be
         trusted beyond a border of the mesh.
     """
+    index = texel_index(texels, stopped(surface, texels))
+    return _gradient(surface, atlas, texels, height_mm, index, threads)
+
+
+def _gradient(
+    surface: Surface,
+    atlas: Atlas,
+    texels: Texels,
+    height_mm: ArrayLike,
+    index: NDArray[np.int32],
+    threads: int | None,
+) -> NDArray[np.float32]:
+    """As `height_gradient`, by the texels of an index."""
     from surftex.kernels.normals import gradients
 
     count = len(texels)
     height = read_only(checked(height_mm, "height_mm", (count,), np.float32))
     metric = page_metric(surface, atlas, texels.width, texels.height)
     texel = read_only(texels.texel - texels.rows[0] * texels.width)
-    index = texel_index(texels, stopped(surface, texels))
     host, chart = read_only(texels.host), read_only(atlas.chart)
     gradient = np.zeros((count, 2), np.float32)
 
@@ -127,7 +139,9 @@ def normal_map(
     """
     from surftex.kernels.normals import encode_slopes
 
-    gradient = read_only(height_gradient(surface, atlas, texels, height_mm, threads=threads))
+    border = stopped(surface, texels)
+    index = texel_index(texels, border)
+    gradient = read_only(_gradient(surface, atlas, texels, height_mm, index, threads))
     tangents = read_only(surface_tangents(surface, atlas) if tangents is None else tangents)
     metric = page_metric(surface, atlas, texels.width, texels.height)
     shading, frame = read_only(surface.shading_normal), surface.frame
@@ -150,14 +164,14 @@ def normal_map(
         )
 
     slices(work, len(gradient), size=_SLICE, threads=threads)
-    _mend_border(surface, texels, encoded)
+    _mend_border(texels, border, index, encoded)
     return encoded
 
 
-def _mend_border(surface: Surface, texels: Texels, encoded: NDArray[np.float32]) -> None:
+def _mend_border(
+    texels: Texels, border: NDArray[np.bool_], index: NDArray[np.int32], encoded: NDArray[np.float32]
+) -> None:
     """Give gutter texels at borders of the mesh the normal of the nearest other texel, in place."""
-    border = stopped(surface, texels)
-    index = texel_index(texels, border)
     if border.any() and not border.all():
         source = nearest_mapped((index >= 0).reshape(-1, texels.width)).ravel()
         place = texels.texel[border] - texels.rows[0] * texels.width

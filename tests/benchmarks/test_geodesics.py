@@ -1,0 +1,67 @@
+"""How the work of floods and gathers grows: three sizes each, the exponent read and asserted loosely."""
+
+import time
+
+import numpy as np
+import pytest
+
+from surftex.geodesics.bounds import nearest_bound
+from surftex.geodesics.windows import flood_points, nearest
+from surftex.surface.shapes import sphere
+from tests.oracles.geodesics import random_points
+
+pytestmark = pytest.mark.slow
+
+
+def exponent(work, sizes):
+    """Slope of log seconds over log size; the best of three runs each, on one thread."""
+    seconds = []
+    for size in sizes:
+        runs = []
+        for _ in range(3):
+            start = time.process_time()
+            work(size)
+            runs.append(time.process_time() - start)
+        seconds.append(min(runs))
+    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
+
+
+@pytest.fixture(scope="module")
+def ball():
+    surface = sphere(40.0, subdivisions=5)
+    sources = random_points(surface, 50, 0)
+    nearest(flood_points(surface, sources, 5.0, bound_mm=nearest_bound(surface, sources, 2)), sources, 2)
+    return surface
+
+
+def test_gather_grows_with_the_samples(ball):
+    records = flood_points(ball, random_points(ball, 2000, 1), 6.0)
+    points = {size: random_points(ball, size, 2) for size in (100_000, 300_000, 900_000)}
+    assert exponent(lambda size: nearest(records, points[size], 2, threads=1), list(points)) < 1.25
+
+
+def test_flood_for_the_two_nearest_grows_slower_than_the_sources(ball):
+    sources = {size: random_points(ball, size, 3) for size in (1000, 4000, 16_000)}
+
+    def work(size):
+        bound = nearest_bound(ball, sources[size], 2)
+        flood_points(ball, sources[size], 40.0, bound_mm=bound, threads=1)
+
+    assert exponent(work, list(sources)) < 0.9
+
+
+def test_flood_grows_with_the_area_it_covers(ball):
+    sources = random_points(ball, 20, 4)
+    assert exponent(lambda radius: flood_points(ball, sources, radius, threads=1), [8.0, 16.0, 32.0]) < 3.3
+
+
+@pytest.mark.parametrize("count", [500, 2000, 8000])
+def test_flood(benchmark, ball, count):
+    sources = random_points(ball, count, 5)
+    benchmark(flood_points, ball, sources, 4.0, threads=1)
+
+
+@pytest.mark.parametrize("count", [30_000, 100_000, 300_000])
+def test_nearest(benchmark, ball, count):
+    records = flood_points(ball, random_points(ball, 2000, 6), 6.0)
+    benchmark(nearest, records, random_points(ball, count, 7), 2, threads=1)
