@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from surftex.files.features import load_features
     from surftex.geodesics.distance import geodesic_distance
     from surftex.maps.mapset import MapSet
+    from surftex.materials.cells.model import Cells
     from surftex.materials.leather.model import Leather
     from surftex.materials.skin.model import Skin
     from surftex.recipe.model import Recipe
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOME = {
+    "Cells": "surftex.materials.cells.model",
     "InputError": "surftex.errors",
     "Leather": "surftex.materials.leather.model",
     "MapSet": "surftex.maps.mapset",
@@ -63,6 +65,7 @@ _ROOMS = ("optics", "shapes")
 """Those of them that are modules themselves."""
 
 __all__ = [
+    "Cells",
     "InputError",
     "Leather",
     "MapSet",

@@ -11,6 +11,34 @@ Tick = Callable[[float], None]
 """Told the finished share of a piece of work, 0 to 1; may raise to cancel it."""
 
 
+class PartTick:
+    """Part of a piece of work, told as its share of the whole; what else is to be seen of it goes along.
+
+    Parameters
+    ----------
+    tick : callable or None
+        Told the share of the whole; where it has a method `detail`, that is told words, such as a live count.
+    first : float
+        Share of the whole at the beginning of the part.
+    last : float
+        Share at its end.
+    """
+
+    def __init__(self, tick: Tick | None, first: float = 0.0, last: float = 1.0) -> None:
+        self.tick, self.first, self.last = tick, first, last
+
+    def __call__(self, share: float) -> None:
+        """Tell the share of the part."""
+        if self.tick is not None:
+            self.tick(self.first + (self.last - self.first) * share)
+
+    def detail(self, text: str) -> None:
+        """Tell what is happening."""
+        tell = getattr(self.tick, "detail", None)
+        if tell is not None:
+            tell(text)
+
+
 def thread_count(threads: int | None) -> int:
     """Resolve the number of threads to use.
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 MATERIALS: "Mapping[str, tuple[str, str]]" = {
     "leather": ("surftex.materials.leather.model", "Leather"),
+    "cells": ("surftex.materials.cells.model", "Cells"),
     "skin": ("surftex.materials.skin.model", "Skin"),
 }
 """Name of each material, and where its class is."""

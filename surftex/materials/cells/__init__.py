@@ -1,0 +1,1 @@
+"""Cells: leather grown from particles, joined to cells, and carved."""

@@ -1,0 +1,296 @@
+"""A grown leather on a surface: cells answer at any sample, by walking distance from their centres."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.arrays import frozen
+from surftex.features.cell_outlines import CellPlanes, Outlines, outlined
+from surftex.features.curves import curve_pieces
+from surftex.fields.noise import Noise
+from surftex.fields.profiles import smoothstep
+from surftex.geodesics.buckets import Buckets
+from surftex.geodesics.curves import flood_curves, nearest_curve
+from surftex.geodesics.records import Records
+from surftex.geodesics.windows import flood_points, within
+from surftex.materials.cells.model import Cells
+from surftex.materials.cells.relief import Place, layers
+from surftex.materials.layers import Layers
+from surftex.randomness import stream
+from surftex.surface.points import Samples, SurfacePoints
+from surftex.surface.surface import Surface
+
+CHANNELS = ("height_mm", "base_color", "roughness", "specular", "region")
+
+WAVE = 1.2
+"""Noise has an rms of 0.31, and three of it make a vector: a waviness of 0.1 moves most sides by up to a tenth of a cell."""
+
+_AROUND = 1.02
+"""Radius of the search around the centre of a cell, in distances of its farthest corner."""
+
+
+@dataclass(frozen=True, eq=False)
+class CellsPattern:
+    """Grown leather on a surface; make one with `Cells.place`.
+
+    Attributes
+    ----------
+    cells : Cells
+        What it is like.
+    surface : Surface
+        Where it lies.
+    features : mapping of str to structured array
+        Everything placed, by kind: ``particle``, ``cell``, ``wrinkle``.
+    """
+
+    cells: Cells
+    surface: Surface
+    features: Mapping[str, NDArray]
+    planes: CellPlanes
+    outlines: Outlines
+    records: Records | None
+    wrinkles: Any
+    seed: int
+
+    channels = CHANNELS
+
+    @staticmethod
+    def build(
+        cells: Cells,
+        surface: Surface,
+        seed: int,
+        features: Mapping[str, NDArray],
+        threads: int | None = None,
+    ) -> "CellsPattern":
+        """Flood from cells that are placed already.
+
+        Parameters
+        ----------
+        cells : Cells
+            What it is like.
+        surface : Surface
+            Where it lies.
+        seed : int
+            Of the noise and of what differs from cell to cell.
+        features : mapping of str to structured array
+            As `CellsPattern.features` has them.
+        threads : int, optional
+            None means every core.
+
+        Returns
+        -------
+        pattern : CellsPattern
+            Ready to answer.
+        """
+        table = features["cell"]
+        centre = SurfacePoints.trusted(
+            np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
+        )
+        planes = CellPlanes(
+            frozen(table["corner_mm"].copy()), frozen(table["sides"].astype(np.int64)),
+            frozen(surface.frame[centre.face][:, :2]), frozen(table["scale_mm"].copy()),
+        )  # fmt: skip
+        records = None
+        if len(table):
+            radius = np.maximum(_AROUND * planes.radius + cells.waviness * planes.scale, 1e-9)
+            buckets = Buckets.of(surface, float(np.median(radius)))
+            records = flood_points(surface, centre, radius, buckets=buckets, threads=threads)
+        wrinkles = None
+        if len(features.get("wrinkle", ())):
+            pieces = curve_pieces(surface, features["wrinkle"])
+            buckets = Buckets.of(surface, cells.wrinkle_width)
+            wrinkles = flood_curves(
+                surface, pieces, 1.5 * cells.wrinkle_width, buckets=buckets, threads=threads
+            )
+        return CellsPattern(
+            cells, surface, MappingProxyType(dict(features)), planes, outline(cells, planes, seed, threads), records,
+            wrinkles, seed,
+        )  # fmt: skip
+
+    def at(self, samples: Samples) -> Layers:
+        """Evaluate at samples.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        layers : Layers
+            The channels named by `channels`.
+        """
+        points, footprint = samples.points, samples.footprint_mm
+        position = points.positions(self.surface)
+        count = len(points)
+
+        def noise(name: str, size_mm: float, octaves: int = 1) -> NDArray[np.float32]:
+            return Noise(stream(self.seed, "cells", name), size_mm, octaves).at(position, footprint)
+
+        if self.records is None:
+            start, cell, vector = np.zeros(count + 1, np.int64), np.zeros(0, np.int32), np.zeros((0, 2))
+        else:
+            start, cell, _, vector = within(self.records, points, threads=1)
+        wrinkle = share = None
+        if self.wrinkles is not None:
+            wrinkle, share = self._nearest_wrinkle(points)
+        lone = ~self._inhabited[self.surface.component[points.face]]
+        place = located(
+            self.cells, self.planes, self.outlines, start, cell, vector, noise, count, self._numbers, lone
+        )
+        return layers(self.cells, place(wrinkle, share), footprint)
+
+    @cached_property
+    def _inhabited(self) -> NDArray[np.bool_]:
+        """Whether each component of the surface has cells; one that is too small for any is a cell itself."""
+        result = np.zeros(int(self.surface.component.max()) + 1, bool)
+        result[self.surface.component[self.features["cell"]["face"]]] = True
+        return result
+
+    @cached_property
+    def _numbers(self) -> NDArray[np.float32]:
+        return cell_numbers(self.seed, len(self.planes))
+
+    def _nearest_wrinkle(self, points: SurfacePoints) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Distance to the nearest wrinkle, and how much of it is left there."""
+        piece, distance, along, _ = nearest_curve(self.wrinkles, points, threads=1)
+        length = self.features["wrinkle"]["length_mm"][np.maximum(piece, 0)]
+        left = np.where(piece >= 0, wrinkle_left(self.cells, along, length), 0)
+        return distance.astype(np.float32), left.astype(np.float32)
+
+
+def outline(cells: Cells, planes: CellPlanes, seed: int, threads: int | None) -> Outlines:
+    """Round the cells of a material and dot them with metaballs.
+
+    Parameters
+    ----------
+    cells : Cells
+        What they are like.
+    planes : CellPlanes
+        c cells.
+    seed : int
+        Of the metaballs.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    outlines : Outlines
+        Of the c cells.
+    """
+    return outlined(
+        planes, gap=cells.gap, rounding=cells.rounding, taper=cells.taper,
+        blob_density=cells.blob_density if cells.blob_height > 0 else 0.0, blob_radius=cells.blob_size,
+        blob_variation=cells.blob_variation, random=stream(seed, "cells", "blobs"), threads=threads,
+    )  # fmt: skip
+
+
+def cell_numbers(seed: int, count: int) -> NDArray[np.float32]:
+    """Draw what differs from cell to cell.
+
+    Parameters
+    ----------
+    seed : int
+        Of the material.
+    count : int
+        Cells.
+
+    Returns
+    -------
+    numbers : (count + 1, 2) float32
+        Level and tone, 0 to 1; the last row is for places of no cell.
+    """
+    return stream(seed, "cells", "cell").uniform(count + 1, 2).astype(np.float32)
+
+
+def wrinkle_left(cells: Cells, along: NDArray, length: NDArray) -> NDArray[np.float32]:
+    """Tell how much of a wrinkle is left between its ends.
+
+    Parameters
+    ----------
+    cells : Cells
+        With the taper of wrinkles.
+    along : (n,) float
+        Length before the place.
+    length : (n,) float
+        In all.
+
+    Returns
+    -------
+    share : (n,) float32
+        0 at the ends, 1 between.
+    """
+    if cells.wrinkle_taper <= 0:
+        return np.ones(len(along), np.float32)
+    taper = np.maximum(np.minimum(cells.wrinkle_taper, length / 2), 1e-9)
+    return smoothstep(0.0, 1.0, (np.minimum(along, length - along) / taper).astype(np.float32))
+
+
+def located(
+    cells: Cells, planes: CellPlanes, outlines: Outlines, start: NDArray, cell: NDArray, vector: NDArray, noise: Any,
+    count: int, numbers: NDArray[np.float32], lone: NDArray[np.bool_],
+) -> Any:  # fmt: skip
+    """Find in which of its candidates each sample lies.
+
+    Parameters
+    ----------
+    cells : Cells
+        What they are like.
+    planes : CellPlanes
+        c cells.
+    outlines : Outlines
+        Theirs.
+    start : (n + 1,) int64
+        Sample i has the candidates start[i] to start[i + 1].
+    cell : (e,) int32
+        Which cells.
+    vector : (e, 2) float64
+        The sample in the plane of each.
+    noise : callable
+        ``noise(name, size_mm, octaves)`` at the samples.
+    count : int
+        n.
+    numbers : (c + 1, 2) float32
+        From `cell_numbers`.
+    lone : (n,) bool
+        Samples of components that are a cell themselves.
+
+    Returns
+    -------
+    place : callable
+        ``place(wrinkle_mm, wrinkle_share)`` gives the `Place` of the samples.
+    """
+    from surftex.kernels.cell_relief import cells_at
+
+    size = float(np.median(planes.scale)) if len(planes) else 1.0
+    wave = np.zeros((count, 3))
+    if cells.waviness > 0:
+        for axis in range(3):
+            wave[:, axis] = WAVE * cells.waviness * size * noise(f"wave {axis}", 0.9 * size, 2)
+    owner, rho = np.full(count, -1, np.int32), np.zeros(count, np.float32)
+    border, swelling = np.zeros(count, np.float32), np.zeros(count, np.float32)
+    cells_at(
+        0, count, start, cell, vector, wave, planes.frame, outlines.edge, outlines.edges, outlines.middle,
+        outlines.blob_start, outlines.blob, cells.blob_threshold, owner, rho, border, swelling,
+    )  # fmt: skip
+    rho[lone] = 0
+    scale = np.append(planes.scale, size).astype(np.float32)[owner]
+    swelling /= np.float32(cells.blob_size) * scale
+    own = numbers[owner]
+    none = np.zeros(count, np.float32)
+    drifting = cells.mottle + cells.wear > 0
+
+    def place(wrinkle: NDArray[np.float32] | None, share: NDArray[np.float32] | None) -> Place:
+        return Place(
+            owner, rho, border, swelling, scale, own[:, 0], own[:, 1], wrinkle, share,
+            noise("shallows", 2.5 * size, 2) if cells.shallows > 0 else none,
+            noise("grain", cells.grain_size, 2) if cells.grain_height > 0 else none,
+            noise("mottle", cells.mottle_size, 2) if drifting else none,
+        )  # fmt: skip
+
+    return place

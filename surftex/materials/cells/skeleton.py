@@ -1,0 +1,438 @@
+"""Placing grown cells: particles, the cells between them, then wrinkles along their sides, a stream for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError, RecipeError
+from surftex.features.cell_mesh import kept_apart, paired
+from surftex.features.cell_outlines import CellPlanes, surface_cells
+from surftex.features.cell_walks import sides_of, walks
+from surftex.features.cells_surface import path_angles, surface_triangles
+from surftex.features.curves import curve_table
+from surftex.features.growth_surface import SurfaceGround
+from surftex.features.particle_growth import Ground, Particles, grow, on_top
+from surftex.fields.fieldset import FieldSet
+from surftex.geodesics.directions import DirectionField
+from surftex.geodesics.paths import polyline, shortest_path
+from surftex.geodesics.tracing import trace
+from surftex.kernels.pool import PartTick, Tick
+from surftex.materials.cells.model import Cells
+from surftex.randomness import stream
+from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
+
+PARTICLE = np.dtype(
+    [
+        ("face", "i4"), ("barycentric", "f8", 3), ("place_mm", "f8", 2), ("height_mm", "f8"), ("velocity", "f8", 3),
+        ("angle_rad", "f8"), ("diameter_mm", "f8"), ("scale_mm", "f8"), ("aspect", "f8"), ("born", "i4"),
+        ("generation", "i4"),
+    ]
+)  # fmt: skip
+"""A particle: where its foot is, then its whole state, so that a growth can go on from it."""
+
+CELL = np.dtype(
+    [
+        ("face", "i4"), ("barycentric", "f8", 3), ("corner_mm", "f8", (4, 2)), ("sides", "i4"), ("scale_mm", "f8"),
+        ("corner", "i4", 4),
+    ]
+)  # fmt: skip
+"""A cell: its centre, its corners in the log map there, and which particles they are (-1: none, or the rim)."""
+
+_GROWTH = 0.6
+_SLOPE = 0.05
+"""Step, in cell sizes, over which the slope of a potential is measured."""
+
+
+def place(
+    cells: Cells,
+    surface: Surface,
+    seed: int,
+    *,
+    fields: FieldSet | None,
+    features: Mapping[str, NDArray] | None,
+    max_features: int,
+    threads: int | None,
+    tick: Tick | None,
+) -> dict[str, NDArray]:
+    """Grow particles, and join them to cells.
+
+    Parameters
+    ----------
+    cells : Cells
+        What to place.
+    surface : Surface
+        Where.
+    seed : int
+        Of all streams.
+    fields : FieldSet, optional
+        Named numbers and directions.
+    features : mapping of str to structured array, optional
+        Particles to go on from.
+    max_features : int
+        Refuse beyond it.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share, and the count of particles.
+
+    Returns
+    -------
+    features : dict of str to structured array
+        By kind; each row has `face` and `barycentric`.
+    """
+    names = fields or FieldSet(surface)
+    ground = ground_of(cells, surface, names)
+    start = None if features is None or "particle" not in features else particles_of(features["particle"])
+    if start is not None and len(start) and int(start.face.max()) >= len(surface.faces):
+        raise RecipeError(
+            "cells: the saved particles lie on faces that the mesh does not have; was it another mesh?"
+        )
+    particles = grown(
+        cells,
+        ground,
+        seed,
+        start=start,
+        most=max_features,
+        threads=threads,
+        tick=PartTick(tick, 0.0, _GROWTH),
+    )
+    made: dict[str, NDArray] = {"particle": particle_table(particles, ground.points(particles))}
+    top = chosen(cells, ground, particles, threads)
+    if len(top):
+        points = ground.points(top)
+        corners = surface_triangles(surface, points, top.scale, top.aspect, top.angle, threads=threads)
+        regions = paired(corners.triangles, share=cells.quads, most_rad=np.radians(cells.squareness))
+        planes, centre = surface_cells(surface, regions, corners, top.scale, threads=threads)
+        made["cell"] = cell_table(planes, centre, np.where(regions < len(top), regions, -1))
+        wrinkles = _wrinkles(cells, surface, seed, names, points, regions, threads)
+        if len(wrinkles):
+            made["wrinkle"] = wrinkles
+    else:
+        made["cell"] = np.zeros(0, CELL)
+    if tick is not None:
+        tick(1.0)
+    return made
+
+
+def ground_of(cells: Cells, surface: Surface, names: FieldSet) -> SurfaceGround:
+    """Describe what particles grow on.
+
+    Parameters
+    ----------
+    cells : Cells
+        What grows.
+    surface : Surface
+        Where.
+    names : FieldSet
+        Named numbers and directions.
+
+    Returns
+    -------
+    ground : SurfaceGround
+        For `grown`.
+    """
+    size, ratio = _number(names, cells.cell_size, "cell_size"), _number(names, cells.cell_ratio, "cell_ratio")
+    direction = None
+    if cells.direction is not None:
+        direction = names.direction(cells.direction)
+    elif cells.cell_ratio != 1.0:
+        direction = DirectionField.smoothest(surface)
+    return SurfaceGround(surface, size, ratio, direction, _force(cells, surface, names, size))
+
+
+def grown(
+    cells: Cells,
+    ground: Ground,
+    seed: int,
+    *,
+    start: Particles | None = None,
+    until: int | None = None,
+    most: int = 5_000_000,
+    threads: int | None = None,
+    tick: Tick | None = None,
+    watch: Callable[[Particles], None] | None = None,
+) -> Particles:
+    """Let the particles of a material grow.
+
+    Parameters
+    ----------
+    cells : Cells
+        Their law.
+    ground : Ground
+        Where.
+    seed : int
+        Of their births.
+    start : Particles, optional
+        Go on from these.
+    until : int, optional
+        Stop after so many generations.
+    most : int
+        Refuse to give birth to more.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share, and the count of particles.
+    watch : callable, optional
+        Told the particles after each generation.
+
+    Returns
+    -------
+    particles : Particles
+        After the last generation.
+
+    Raises
+    ------
+    RecipeError
+        If there would be too many.
+    """
+    law = cells.law
+    told = PartTick(tick)
+
+    def seen(particles: Particles) -> None:
+        told.detail(f"{len(particles):,} particles, generation {particles.generation}")
+        told(particles.generation / law.generations)
+        if watch is not None:
+            watch(particles)
+
+    try:
+        return grow(
+            ground,
+            law,
+            stream(seed, "cells", "births"),
+            start=start,
+            until=until,
+            most=most,
+            threads=threads,
+            watch=seen,
+        )
+    except RecipeError:
+        raise
+    except InputError as problem:
+        raise RecipeError(f"cells.cell_size: {problem}") from None
+
+
+def chosen(cells: Cells, ground: Ground, particles: Particles, threads: int | None) -> Particles:
+    """Pick the particles that make cells: those on top, without those that lie too close under others.
+
+    Parameters
+    ----------
+    cells : Cells
+        Their law.
+    ground : Ground
+        What they grew on.
+    particles : Particles
+        n of them.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    top : Particles
+        Some of them.
+    """
+    top = particles.chosen(on_top(ground, cells.law, particles, threads=threads))
+    if len(top) == 0:
+        return top
+    radius = top.radius(cells.law)
+    across = radius / np.sqrt(np.maximum(top.aspect, 1 / top.aspect))
+    near = ground.neighbours(top, radius, 1.0, float(np.ptp(top.height)), threads)
+    row = np.arange(near.index.shape[1])[None] < near.count[:, None]
+    first, second = np.nonzero(row)[0], near.index[row].astype(np.int64)
+    distance = ground.apart(top, first, second)
+    return top.chosen(kept_apart(first, second, distance, across, top.height + radius))
+
+
+def particle_table(particles: Particles, points: SurfacePoints) -> NDArray:
+    """Write particles as rows of features.
+
+    Parameters
+    ----------
+    particles : Particles
+        n of them.
+    points : SurfacePoints
+        Their feet.
+
+    Returns
+    -------
+    table : (n,) structured array
+        See `PARTICLE`.
+    """
+    table = np.zeros(len(particles), PARTICLE)
+    table["face"], table["barycentric"] = points.face, points.barycentric
+    for name, column in _STATE.items():
+        table[column] = getattr(particles, name)
+    table["generation"] = particles.generation
+    return table
+
+
+def particles_of(table: NDArray) -> Particles:
+    """Read particles from rows of features.
+
+    Parameters
+    ----------
+    table : (n,) structured array
+        As `particle_table` writes it.
+
+    Returns
+    -------
+    particles : Particles
+        n of them, as they were.
+
+    Raises
+    ------
+    RecipeError
+        If the rows are no particles.
+    """
+    missing = sorted(set(PARTICLE.names or ()) - set(table.dtype.names or ()))
+    if missing:
+        raise RecipeError(
+            f"cells: saved particles lack {', '.join(missing)}; were they saved by another material?"
+        )
+    state: dict[str, Any] = {
+        name: np.ascontiguousarray(table[column], np.int64 if name == "born" else np.float64)
+        for name, column in _STATE.items()
+    }
+    face = np.ascontiguousarray(table["face"], np.int32)
+    return Particles(int(table["generation"].max(initial=0)), face, **state)
+
+
+_STATE = {
+    "place": "place_mm", "height": "height_mm", "velocity": "velocity", "angle": "angle_rad",
+    "diameter": "diameter_mm", "scale": "scale_mm", "aspect": "aspect", "born": "born",
+}  # fmt: skip
+
+
+def cell_table(planes: CellPlanes, centre: SurfacePoints, corner: NDArray[np.int64]) -> NDArray:
+    """Write cells as rows of features.
+
+    Parameters
+    ----------
+    planes : CellPlanes
+        c cells.
+    centre : SurfacePoints
+        Origins of their planes.
+    corner : (c, 4) int64
+        Particles at their corners.
+
+    Returns
+    -------
+    table : (c,) structured array
+        See `CELL`.
+    """
+    table = np.zeros(len(planes), CELL)
+    table["face"], table["barycentric"] = centre.face, centre.barycentric
+    table["corner_mm"], table["sides"], table["scale_mm"] = planes.corner, planes.sides, planes.scale
+    table["corner"] = corner
+    return table
+
+
+def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[SurfacePoints], NDArray]:
+    """Take a number as it is, an expression as a function of points."""
+    if not isinstance(value, str):
+        return value
+    try:
+        field = names.scalar(value)
+    except RecipeError as problem:
+        raise RecipeError(f"cells.{key}: {problem}") from None
+    least = float(np.min(field(_middles(names.surface))))
+    if not least > 0:
+        raise RecipeError(f"cells.{key}: {value!r} falls to {least:g}; it must stay above 0")
+    return field
+
+
+def _middles(surface: Surface) -> SurfacePoints:
+    count = len(surface.faces)
+    return SurfacePoints.trusted(np.arange(count, dtype=np.int32), np.full((count, 3), 1 / 3))
+
+
+def _force(
+    cells: Cells, surface: Surface, names: FieldSet, size: float | Callable[[SurfacePoints], NDArray]
+) -> Callable[[SurfacePoints], NDArray[np.float64]] | None:
+    """Force of potential and drift at points, in space."""
+    potential = None
+    if cells.potential is not None and cells.potential_force > 0:
+        try:
+            potential = names.scalar(cells.potential)
+        except RecipeError as problem:
+            raise RecipeError(f"cells.potential: {problem}") from None
+    drift = names.direction(cells.drift) if cells.drift is not None and cells.drift_force > 0 else None
+    if potential is None and drift is None:
+        return None
+
+    def force(points: SurfacePoints) -> NDArray[np.float64]:
+        scale = np.asarray(size(points), np.float64) if callable(size) else np.full(len(points), size)
+        flat = np.zeros((len(points), 2))
+        if potential is not None:
+            step = _SLOPE * scale
+            here = np.asarray(potential(points), np.float64)
+            for axis in (0, 1):
+                there = trace(surface, points, axis * np.pi / 2, step, threads=1).end
+                flat[:, axis] = (potential(there) - here) / step
+            flat *= (cells.potential_height * scale)[:, None]
+            flat *= -(cells.potential_force * scale / np.sqrt(1 + (flat**2).sum(axis=1)))[:, None]
+        if drift is not None:
+            angle = drift.at(points)
+            flat += (cells.drift_force * scale)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return np.einsum("pi,pik->pk", flat, surface.frame[points.face][:, :2])
+
+    return force
+
+
+def _wrinkles(
+    cells: Cells, surface: Surface, seed: int, names: FieldSet, points: SurfacePoints, regions: NDArray[np.int64],
+    threads: int | None,
+) -> NDArray:  # fmt: skip
+    """Wrinkles: walks along the sides of cells that keep to the stress."""
+    count = wrinkle_count(cells, surface.area_mm2, seed)
+    if count == 0:
+        return np.zeros(0)
+    stress = names.direction(cells.stress) if cells.stress else DirectionField.smoothest(surface)
+    end = sides_of(regions)
+    end = end[(end < len(points)).all(axis=1)]
+    first, second = (
+        SurfacePoints.trusted(
+            np.ascontiguousarray(points.face[end[:, k]]), np.ascontiguousarray(points.barycentric[end[:, k]])
+        )
+        for k in (0, 1)
+    )
+    pieces, length = shortest_path(surface, first, second, threads=threads)
+    ahead, back = path_angles(pieces, len(end))
+    leaving = np.stack([ahead - stress.at(first), back + np.pi - stress.at(second)], axis=1)
+    found = walks(
+        end, leaving, length, stream(seed, "cells", "wrinkles"), count=count, most_length=cells.wrinkle_length,
+        most_rad=np.radians(cells.wrinkle_angle),
+    )  # fmt: skip
+    if not found:
+        return np.zeros(0)
+    nodes = np.concatenate([np.array(path) for path in found])
+    curve = np.repeat(np.arange(len(found)), [len(path) for path in found])
+    along = SurfacePoints.trusted(
+        np.ascontiguousarray(points.face[nodes]), np.ascontiguousarray(points.barycentric[nodes])
+    )
+    return curve_table(surface, polyline(surface, along, curve, threads=threads)[0])
+
+
+def wrinkle_count(cells: Cells, area_mm2: float, seed: int) -> int:
+    """Tell how many wrinkles an area gets.
+
+    Parameters
+    ----------
+    cells : Cells
+        Number and density.
+    area_mm2 : float
+        Of the ground.
+    seed : int
+        Decides about fractions.
+
+    Returns
+    -------
+    count : int
+        0 or more.
+    """
+    draw = float(stream(seed, "cells", "wrinkle count").uniform(1)[0, 0])
+    return cells.wrinkle_count + int(draw + cells.wrinkle_density * area_mm2 / 1000)

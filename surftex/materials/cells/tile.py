@@ -1,0 +1,231 @@
+"""A grown leather on a square that repeats: what leaves it on one side comes in on the other."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError, RecipeError
+from surftex.features.cell_mesh import paired
+from surftex.features.cell_outlines import CellPlanes, Outlines, plane_cells
+from surftex.features.cells_plane import LEAST_SIDE, plane_triangles
+from surftex.features.growth_plane import PlaneGround
+from surftex.fields.noise import Noise
+from surftex.kernels.pool import PartTick, Tick, slices
+from surftex.materials.cells.model import Cells
+from surftex.materials.cells.pattern import cell_numbers, located, outline
+from surftex.materials.cells.relief import layers
+from surftex.materials.cells.skeleton import CELL, PARTICLE, chosen, grown, particle_table, particles_of
+from surftex.materials.layers import Layers
+from surftex.randomness import stream
+from surftex.surface.points import SurfacePoints
+
+_GROWTH = 0.8
+_SLICE = 1 << 15
+_AROUND = 1.02
+
+
+@dataclass(frozen=True, eq=False)
+class CellsTile:
+    """Grown leather on a square tile; make one with `Cells.tile`.
+
+    Attributes
+    ----------
+    cells : Cells
+        What it is like.
+    side_mm : float
+        Of the square.
+    features : mapping of str to structured array
+        ``particle``, to go on from, and ``cell``.
+    centre_mm : (c, 2) float64
+        Of the cells.
+    """
+
+    cells: Cells
+    side_mm: float
+    features: Mapping[str, NDArray]
+    centre_mm: NDArray[np.float64]
+    planes: CellPlanes
+    outlines: Outlines
+    seed: int
+
+    def at(self, place_mm: NDArray[np.floating], footprint_mm: float = 0.0) -> Layers:
+        """Evaluate at places.
+
+        Parameters
+        ----------
+        place_mm : (n, 2) float64
+            Anywhere; the tile repeats.
+        footprint_mm : float
+            Side of the patch that each value stands for.
+
+        Returns
+        -------
+        layers : Layers
+            As `CellsPattern.at`.
+        """
+        place = np.asarray(place_mm, np.float64) % self.side_mm
+        count = len(place)
+
+        def noise(name: str, size_mm: float, octaves: int = 1) -> NDArray[np.float32]:
+            return self._noise(Noise(stream(self.seed, "cells", name), size_mm, octaves), place, footprint_mm)
+
+        start, cell, vector = self._near(place)
+        found = located(
+            self.cells, self.planes, self.outlines, start, cell, vector, noise, count,
+            cell_numbers(self.seed, len(self.planes)), np.zeros(count, bool),
+        )  # fmt: skip
+        return layers(self.cells, found(None, None), np.full(count, footprint_mm, np.float32))
+
+    def page(
+        self, resolution: int, *, threads: int | None = None, tick: Tick | None = None
+    ) -> dict[str, NDArray]:
+        """Evaluate a page of the whole tile.
+
+        Parameters
+        ----------
+        resolution : int
+            Texels along a side; row 0 is at the top.
+        threads : int, optional
+            None means every core; cannot change a byte.
+        tick : callable, optional
+            Told the finished share.
+
+        Returns
+        -------
+        channels : dict of str to (h, w) or (h, w, 3) array
+            As in `surftex.materials.layers.CHANNELS`.
+
+        Raises
+        ------
+        InputError
+            If the resolution is not positive.
+        """
+        if resolution < 1:
+            raise InputError(f"resolution is {resolution}; it takes at least 1 texel")
+        step = self.side_mm / resolution
+        line = (np.arange(resolution) + 0.5) * step
+
+        def work(first: int, last: int) -> Layers:
+            texel = np.arange(first, last)
+            place = np.stack([line[texel % resolution], line[::-1][texel // resolution]], axis=1)
+            return self.at(place, step)
+
+        parts = slices(work, resolution**2, size=_SLICE, threads=threads, tick=tick)
+        whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0].channels}
+        return {name: each.reshape(resolution, resolution, *each.shape[1:]) for name, each in whole.items()}
+
+    def _near(
+        self, place: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]:
+        """Cells that may hold each place: rows, whose they are, and the place in their planes."""
+        from scipy.spatial import KDTree
+
+        reach = _AROUND * self.planes.radius + self.cells.waviness * self.planes.scale
+        tree = KDTree(place, boxsize=self.side_mm)
+        rows = tree.query_ball_point(self.centre_mm, np.minimum(reach, 0.49 * self.side_mm))
+        count = np.fromiter((len(row) for row in rows), np.int64, len(rows))
+        sample = (
+            np.concatenate([np.asarray(row, np.int64) for row in rows])
+            if len(rows)
+            else np.zeros(0, np.int64)
+        )
+        cell = np.repeat(np.arange(len(rows), dtype=np.int32), count)
+        order = np.lexsort((cell, sample))
+        sample, cell = sample[order], cell[order]
+        vector = place[sample] - self.centre_mm[cell]
+        vector -= self.side_mm * np.round(vector / self.side_mm)
+        return np.searchsorted(sample, np.arange(len(place) + 1)).astype(np.int64), cell, vector
+
+    def _noise(self, noise: Noise, place: NDArray[np.float64], footprint_mm: float) -> NDArray[np.float32]:
+        """Blend four copies of a noise, so that it repeats; its variance stays what it is."""
+        total, square = np.zeros(len(place)), np.zeros(len(place))
+        share = place / self.side_mm
+        for x in (0, 1):
+            for y in (0, 1):
+                weight = np.abs(1 - x - share[:, 0]) * np.abs(1 - y - share[:, 1])
+                where = np.zeros((len(place), 3))
+                where[:, :2] = place - self.side_mm * np.array([x, y])
+                total += weight * noise.at(where, footprint_mm)
+                square += weight**2
+        return (total / np.sqrt(square)).astype(np.float32)
+
+
+def make_tile(
+    cells: Cells,
+    side_mm: float,
+    seed: int,
+    *,
+    features: Mapping[str, NDArray] | None = None,
+    push: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> CellsTile:
+    """Grow cells on a square that repeats.
+
+    Parameters
+    ----------
+    cells : Cells
+        What grows.
+    side_mm : float
+        Of the square.
+    seed : int
+        Of everything random.
+    features : mapping of str to structured array, optional
+        Of an earlier tile; with nothing but particles the growth goes on from them.
+    push : callable, optional
+        Force of a field at places (n, 2), (n, 3); only x and y count.
+    threads : int, optional
+        None means every core; cannot change the result.
+    tick : callable, optional
+        Told the finished share, and the count of particles.
+
+    Returns
+    -------
+    tile : CellsTile
+        Answers at any place.
+
+    Raises
+    ------
+    RecipeError
+        If the square is too small for its cells, or a parameter needs a surface.
+    """
+    for key in ("cell_size", "cell_ratio"):
+        if isinstance(getattr(cells, key), str):
+            raise RecipeError(f"cells.{key}: an expression needs a surface; a tile takes a number")
+    for key in ("potential", "direction", "drift"):
+        if getattr(cells, key) is not None:
+            raise RecipeError(f"cells.{key}: a field needs a surface; a tile takes none")
+    if cells.wrinkle_count or cells.wrinkle_density:
+        raise RecipeError("cells.wrinkle_count: wrinkles need a surface; a tile takes none")
+    size, aspect = float(cells.cell_size), float(cells.cell_ratio)
+    if not side_mm >= LEAST_SIDE * size * max(aspect, 1.0):
+        least = LEAST_SIDE * size * max(aspect, 1.0)
+        raise RecipeError(
+            f"a tile of {side_mm:g} mm is too small for cells of {size:g} mm; it takes {least:g} mm"
+        )
+    ground = PlaneGround(side_mm, size, aspect, None, push)
+    made = dict(features or {})
+    start = particles_of(made["particle"]) if "particle" in made else None
+    particles = grown(cells, ground, seed, start=start, threads=threads, tick=PartTick(tick, 0.0, _GROWTH))
+    points = SurfacePoints.trusted(particles.face, np.tile([1.0, 0.0, 0.0], (len(particles), 1)))
+    made["particle"] = particle_table(particles, points) if len(particles) else np.zeros(0, PARTICLE)
+    top = chosen(cells, ground, particles, threads)
+    try:
+        triangles = plane_triangles(top.place, side_mm, top.aspect, top.angle)
+    except InputError as problem:
+        raise RecipeError(f"cells.cell_size: {problem}") from None
+    regions = paired(triangles, share=cells.quads, most_rad=np.radians(cells.squareness))
+    planes, centre = plane_cells(regions, top.place, side_mm, size)
+    table = np.zeros(len(planes), CELL)
+    table["barycentric"][:, 0] = 1
+    table["corner_mm"], table["sides"], table["scale_mm"] = planes.corner, planes.sides, planes.scale
+    table["corner"] = regions
+    made["cell"] = table
+    if tick is not None:
+        tick(1.0)
+    outlines: Any = outline(cells, planes, seed, threads)
+    return CellsTile(cells, side_mm, MappingProxyType(made), centre, planes, outlines, seed)

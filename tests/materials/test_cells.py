@@ -1,0 +1,168 @@
+"""Leather grown from particles: a tile that repeats, cells that fill the surface, the same under any threads and unwrap."""
+
+import numpy as np
+import pytest
+
+from surftex.bake.bake import bake, run
+from surftex.errors import RecipeError
+from surftex.materials.cells.model import Cells
+from surftex.materials.cells.pattern import CHANNELS
+from surftex.recipe.model import Recipe
+from surftex.surface.points import Samples, SurfacePoints
+from surftex.surface.shapes import plane, sphere
+
+QUICK = {"generations": 90, "blob_density": 12.0}
+
+
+def samples_of(surface, count=3000):
+    random = np.random.Generator(np.random.PCG64(3))
+    face = random.choice(len(surface.faces), count, p=surface.face_area_mm2 / surface.area_mm2)
+    return Samples(SurfacePoints(face, random.dirichlet([1, 1, 1], count)), np.full(count, 0.02, np.float32))
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return sphere(12.0, subdivisions=3)
+
+
+@pytest.fixture(scope="module")
+def pattern(ball):
+    return Cells.preset("even", cell_size=2.0).place(ball, 3)
+
+
+@pytest.fixture(scope="module")
+def tile():
+    return Cells.preset("even", cell_size=1.0).tile(14.0, 3)
+
+
+def test_a_tile_repeats(tile):
+    random = np.random.Generator(np.random.PCG64(1))
+    place = random.uniform(0, 14, (500, 2))
+    here, there = tile.at(place), tile.at(place + np.array([14.0, -28.0]))
+    for name in CHANNELS:
+        np.testing.assert_allclose(here[name], there[name], atol=1e-5)
+    edge = tile.at(np.stack([np.full(200, 1e-7), np.linspace(0, 14, 200)], axis=1))["height_mm"]
+    back = tile.at(np.stack([np.full(200, 14 - 1e-7), np.linspace(0, 14, 200)], axis=1))["height_mm"]
+    np.testing.assert_allclose(edge, back, atol=1e-4)
+
+
+def test_cells_of_a_tile_fill_it_without_overlap(tile):
+    corner, sides = tile.planes.corner, tile.planes.sides
+    onward = np.roll(corner, -1, axis=1)
+    area = 0.5 * (corner[..., 0] * onward[..., 1] - corner[..., 1] * onward[..., 0]).sum(axis=1)
+    assert area.min() > 0
+    assert area.sum() == pytest.approx(14.0**2, rel=1e-9)
+    assert (sides == 3).mean() < 0.6
+    meeting = np.bincount(tile.features["cell"]["corner"][tile.features["cell"]["corner"] >= 0])
+    assert meeting.max() <= 8  # no stars
+
+
+def test_a_page_is_the_tile_and_threads_change_no_byte(tile):
+    one, two = tile.page(64, threads=1), tile.page(64, threads=2)
+    assert one["height_mm"].shape == (64, 64)
+    assert one["base_color"].shape == (64, 64, 3)
+    for name in one:
+        np.testing.assert_array_equal(one[name], two[name])
+    step = 14 / 64
+    np.testing.assert_array_equal(
+        one["height_mm"][0, :3],
+        tile.at([[step / 2 + i * step, 14 - step / 2] for i in range(3)], step)["height_mm"],
+    )
+
+
+def test_a_tile_goes_on_from_saved_particles(tile):
+    again = tile.cells.tile(14.0, 3, features={"particle": tile.features["particle"]})
+    np.testing.assert_array_equal(again.features["cell"], tile.features["cell"])
+
+
+@pytest.mark.parametrize(
+    ("changes", "side", "says"),
+    [
+        ({"cell_size": 4.0}, 10.0, "too small for cells"),
+        ({"cell_size": "1 + wear"}, 40.0, "cell_size: an expression needs a surface"),
+        ({"wrinkle_count": 2}, 40.0, "wrinkles need a surface"),
+        ({"potential": "wear"}, 40.0, "potential: a field needs a surface"),
+    ],
+)
+def test_what_a_tile_cannot_be_is_said(changes, side, says):
+    with pytest.raises(RecipeError, match=says):
+        Cells(**changes).tile(side)
+
+
+def test_cells_cover_a_ball_evenly(pattern, ball):
+    layers = pattern.at(samples_of(ball))
+    assert (layers["region"] >= 0).mean() > 0.85
+    assert np.isfinite(layers["height_mm"]).all()
+    assert layers["height_mm"].max() < 3 * 0.14 * 2.0
+    assert np.ptp(layers["height_mm"]) > 0.1
+    corner, sides = pattern.features["cell"]["corner_mm"], pattern.features["cell"]["sides"]
+    onward = np.roll(corner, -1, axis=1)
+    area = 0.5 * (corner[..., 0] * onward[..., 1] - corner[..., 1] * onward[..., 0]).sum(axis=1)
+    assert area.sum() == pytest.approx(ball.area_mm2, rel=0.03)
+    assert area.std() / area.mean() < 0.6
+    assert (sides == 3).mean() < 0.6
+
+
+def test_threads_change_no_byte_and_growths_go_on(pattern, ball):
+    again = Cells.preset("even", cell_size=2.0).place(ball, 3, threads=1)
+    np.testing.assert_array_equal(again.features["cell"], pattern.features["cell"])
+    on = Cells.preset("even", cell_size=2.0).place(
+        ball, 3, features={"particle": pattern.features["particle"]}
+    )
+    np.testing.assert_array_equal(on.features["cell"], pattern.features["cell"])
+    samples = samples_of(ball)
+    np.testing.assert_array_equal(again.at(samples)["height_mm"], pattern.at(samples)["height_mm"])
+
+
+def test_borders_have_cells_up_to_the_rim():
+    surface = plane(24.0, cells=12)
+    pattern = Cells.preset("even", cell_size=2.0).place(surface, 1)
+    x = np.linspace(0.5, 23.5, 200)
+    place = np.stack([x, np.full(200, 0.4), np.zeros(200)], axis=1) - surface.origin_mm
+    from surftex.surface.closest import closest_points
+
+    points = closest_points(surface, place)[0]
+    layers = pattern.at(Samples(points, np.full(200, 0.02, np.float32)))
+    assert (layers["region"] >= 0).mean() > 0.7
+
+
+def test_wrinkles_lie_over_the_cells(ball):
+    plain = Cells.preset("even", cell_size=2.0, **QUICK).place(ball, 3)
+    creased = Cells.preset("even", cell_size=2.0, wrinkle_count=6, wrinkle_depth=0.5, **QUICK).place(ball, 3)
+    assert len(np.unique(creased.features["wrinkle"]["curve"])) == 6
+    samples = samples_of(ball)
+    sunk = plain.at(samples)["height_mm"] - creased.at(samples)["height_mm"]
+    assert sunk.max() > 0.4
+    assert np.median(sunk) == 0
+    np.testing.assert_array_equal(plain.features["cell"], creased.features["cell"])
+
+
+@pytest.mark.parametrize(("force", "drop"), [(0.02, 0.3), (0.06, 1.0)])
+def test_a_potential_drives_particles_away(ball, force, drop):
+    layer = {"material": "cells", "cell_size": 2.0, "potential": "top", "potential_force": force}
+    recipe = Recipe.model_validate({"fields": {"top": {"gradient": [0, 0, 1]}}, "layer": [layer]})
+    settings = {"resolution": 32, "maps": ("height",), "unwrapper": "uvunwrap"}
+    driven = run(Recipe.of(recipe, **settings), ball).maps.features["particle"]
+    where = SurfacePoints.trusted(driven["face"], driven["barycentric"]).positions(ball) + ball.origin_mm
+    assert where[:, 2].mean() < -drop
+
+
+@pytest.mark.parametrize("name", Cells.presets())
+def test_every_preset_answers(name, ball):
+    pattern = Cells.preset(name, generations=60).place(ball, 1)
+    layers = pattern.at(samples_of(ball, 300))
+    for channel in CHANNELS:
+        assert np.isfinite(layers[channel]).all()
+    assert layers["base_color"].min() >= 0
+    assert layers["base_color"].max() <= 1
+
+
+@pytest.mark.slow
+def test_the_unwrap_moves_no_cell(ball):
+    cells = Cells.preset("mixed", cell_size=3.0)
+    one, two = (
+        bake(ball, cells, resolution=128, maps="height", uv="unwrap", unwrapper=name)
+        for name in ("xatlas", "uvunwrap")
+    )
+    for kind in one.features:
+        np.testing.assert_array_equal(one.features[kind], two.features[kind])
