@@ -5,6 +5,7 @@ those between two halves are eliminated last. A sphere of 41,000 vertices takes 
 orders that come with scipy.
 """
 
+from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
@@ -27,12 +28,10 @@ class Factors:
 
     def __init__(self, matrix: Any, vertices: NDArray[np.float64]) -> None:
         from scipy.sparse.linalg import splu
-        from threadpoolctl import threadpool_limits
 
         rows = csr_array(matrix)
         self.order = nested_order(rows, vertices)
-        # One BLAS thread: on small blocks several mostly wait, and rounding would depend on their number.
-        with threadpool_limits(limits=1, user_api="blas"):
+        with one_blas_thread():
             self.factors = splu(
                 csc_array(rows[self.order][:, self.order]),
                 permc_spec="NATURAL",
@@ -54,8 +53,22 @@ class Factors:
             In the order of the vertices.
         """
         result = np.zeros_like(right)
-        result[self.order] = self.factors.solve(right[self.order])
+        with one_blas_thread():
+            result[self.order] = self.factors.solve(right[self.order])
         return result
+
+
+def one_blas_thread() -> AbstractContextManager[Any]:
+    """Keep BLAS on one thread: on small blocks several mostly wait, and rounding would depend on their number.
+
+    Returns
+    -------
+    context : context manager
+        In force until it is left.
+    """
+    from threadpoolctl import threadpool_limits
+
+    return threadpool_limits(limits=1, user_api="blas")
 
 
 def nested_order(rows: csr_array, vertices: NDArray[np.float64]) -> NDArray[np.int64]:
