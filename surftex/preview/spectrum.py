@@ -8,6 +8,14 @@ from numpy.typing import NDArray
 from surftex.arrays import checked
 from surftex.errors import InputError
 
+_SECTORS, _RINGS = 48, 64
+_REACH = 2.2
+"""The ring is looked for between 1 / 2.2 and 2.2 of its mean radius."""
+
+_ROUNDS = 8
+_FAR_OFF = 0.15
+"""Share of the radius from which on a direction is trusted less."""
+
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
@@ -100,8 +108,8 @@ def height_spectrum(height_mm: NDArray[np.floating], mm_per_texel: float = 1.0) 
 def fitted_ring(spectrum: Spectrum) -> Ring:
     """Fit an ellipse to the ring of a spectrum.
 
-    The radius of the strongest ring starts it; then the second moments of the power in an elliptical band around
-    it, above the level of the band's edges, give the axes, again and again until they stand still.
+    In each direction the ring is where the power, smoothed, is largest; the ellipse goes through these places by least squares,
+    weighted by the power there, and again without those that lie far off.
 
     Parameters
     ----------
@@ -127,29 +135,58 @@ def fitted_ring(spectrum: Spectrum) -> Ring:
     if len(smooth) < 4 or not smooth.max() > 0:
         return Ring(0.0, 1.0, 0.0, float("inf"))
     start = (int(np.argmax(smooth)) + 0.5) * step
-    shape = np.eye(2) * start**2
-    for _ in range(60):
-        reach = np.sqrt(np.einsum("ni,ij,nj->n", places, np.linalg.inv(shape), places))
-        band = (reach > 0.5) & (reach < 1.6)
-        edge = ((reach > 0.4) & (reach <= 0.55)) | ((reach >= 1.5) & (reach < 1.7))
-        floor = float(np.median(power[edge])) if edge.any() else 0.0
-        weight = np.maximum(power[band] - floor, 0)
-        if not weight.sum() > 0:
-            break
-        # Within a whitened band all directions weigh alike, however the power is spread around the ring.
-        inner = places[band] / reach[band, None]
-        amount = (weight * reach[band]).sum() / weight.sum()
-        moment = np.einsum("n,ni,nj->ij", weight * reach[band] ** 2, inner, inner) / weight.sum() * 2
-        scale = np.sqrt(np.linalg.det(shape) / max(np.linalg.det(moment), 1e-300))
-        update = moment * scale * amount**2
-        if np.abs(update - shape).max() < 1e-9 * np.abs(shape).max():
-            break
-        shape = update
-    value, vector = np.linalg.eigh(shape)
-    long, short = np.sqrt(value[1]), np.sqrt(value[0])
-    angle = float(np.degrees(np.arctan2(vector[1, 1], vector[0, 1])))
+    turn, crest, weight = _crests(places, power, start)
+    basis = np.stack([np.cos(turn) ** 2, 2 * np.cos(turn) * np.sin(turn), np.sin(turn) ** 2], axis=1)
+    target = crest**-2.0
+    form = np.array([1.0, 0.0, 1.0]) / start**2
+    for _ in range(_ROUNDS):
+        fitted = basis @ form
+        off = np.abs(np.log(np.maximum(fitted, 1e-30) / target)) / 2
+        trust = weight / (1 + (off / _FAR_OFF) ** 4) / target
+        form = np.linalg.lstsq(basis * trust[:, None], target * trust, rcond=None)[0]
+    value, vector = np.linalg.eigh(np.array([[form[0], form[1]], [form[1], form[2]]]))
+    if not value[0] > 0:
+        return Ring(start, 1.0, 0.0, 1 / start)
+    long, short = value[0] ** -0.5, value[1] ** -0.5
+    angle = float(np.degrees(np.arctan2(vector[1, 0], vector[0, 0])))
     middle = float(np.sqrt(long * short))
     return Ring(middle, float(long / short), (angle + 90) % 180 - 90, 1 / middle)
+
+
+def _crests(
+    places: NDArray[np.float64], power: NDArray[np.float64], start: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Directions, where the power is largest in each, and how large: the mean radius of its upper part."""
+    radius = np.hypot(*places.T)
+    band = (radius > start / _REACH) & (radius < start * _REACH)
+    sector = ((np.arctan2(places[band, 1], places[band, 0]) % np.pi) / np.pi * _SECTORS).astype(
+        int
+    ) % _SECTORS
+    ring = (
+        (np.log(radius[band] * _REACH / start) / (2 * np.log(_REACH)) * _RINGS)
+        .astype(int)
+        .clip(0, _RINGS - 1)
+    )
+    cell = sector * _RINGS + ring
+    count = np.bincount(cell, minlength=_SECTORS * _RINGS)
+    total = np.bincount(cell, power[band], _SECTORS * _RINGS)
+    mean = (total / np.maximum(count, 1)).reshape(_SECTORS, _RINGS)
+    known = (count > 0).reshape(mean.shape).astype(float)
+    kernel = np.exp(-0.5 * (np.arange(-4, 5) / 1.5) ** 2)
+    for axis, wrapped in ((0, True), (1, False)):
+        pad = [(4, 4) if axis == k else (0, 0) for k in (0, 1)]
+        mode = {"mode": "wrap"} if wrapped else {"mode": "constant"}
+        parts = [np.pad(each, pad, **mode) for each in (mean * known, known)]  # type: ignore[call-overload]
+        blurred = [
+            np.apply_along_axis(lambda line: np.convolve(line, kernel, "valid"), axis, each) for each in parts
+        ]
+        mean, known = blurred[0] / np.maximum(blurred[1], 1e-30), (blurred[1] > 1e-6).astype(float)
+    top = mean.max(axis=1, keepdims=True)
+    high = np.maximum(mean - 0.7 * top, 0) * known
+    rings = start / _REACH * _REACH ** (2 * (np.arange(_RINGS) + 0.5) / _RINGS)
+    crest = np.exp((high * np.log(rings)).sum(axis=1) / np.maximum(high.sum(axis=1), 1e-300))
+    turn = (np.arange(_SECTORS) + 0.5) * np.pi / _SECTORS
+    return turn, crest, top[:, 0] / max(float(top.max()), 1e-300)
 
 
 def statistics(height_mm: NDArray[np.floating]) -> dict[str, float]:

@@ -122,3 +122,17 @@ def test_texel_size_comes_from_the_report_or_is_said_to_be_unknown(tmp_path):
         analyse_file(tmp_path / "none.exr")
     with pytest.raises(InputError, match="x0,y0"):
         analyse_file(tmp_path / "h.exr", section=(1, 2, 3))
+
+
+def test_leather_of_long_sites_leaves_a_flattened_ring():
+    from surftex.bake.bake import bake
+    from surftex.recipe.model import Recipe
+    from surftex.surface.shapes import plane
+
+    layer = {"material": "leather", "preset": "sakurai-12a", "cell_ratio": 5 / 3, "direction": "across"}
+    recipe = Recipe.model_validate({"fields": {"across": {"axis": [1.0, 0.0, 0.0]}}, "layer": [layer]})
+    maps = bake(plane(24.0, cells=24), recipe, resolution=512, seed=7, maps="height", uv="keep")
+    ring = fitted_ring(height_spectrum(maps["height"], 24.0 / 512))
+    assert 1.2 < ring.ratio < 1.6  # measured 1.34; long sites make cells only half as long
+    assert abs(abs(ring.angle_deg) - 90) < 10
+    assert ring.spacing_mm == pytest.approx(0.52, rel=0.1)
