@@ -1,29 +1,14 @@
 """How the work of floods and gathers grows: three sizes each, the exponent read and asserted loosely."""
 
-import time
-
-import numpy as np
 import pytest
 
 from surftex.geodesics.bounds import nearest_bound
 from surftex.geodesics.windows import flood_points, nearest
 from surftex.surface.shapes import sphere
+from tests.benchmarks.growth import exponent
 from tests.oracles.geodesics import random_points
 
 pytestmark = pytest.mark.slow
-
-
-def exponent(work, sizes):
-    """Slope of log seconds over log size; the best of three runs each, on one thread."""
-    seconds = []
-    for size in sizes:
-        runs = []
-        for _ in range(3):
-            start = time.process_time()
-            work(size)
-            runs.append(time.process_time() - start)
-        seconds.append(min(runs))
-    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
 
 
 @pytest.fixture(scope="module")
