@@ -1,40 +1,119 @@
 """Makes every picture that the README and the docs show: `python -m docs.make_pictures [NAME ...]`.
 
-Pictures go to docs/pictures, as JPEG. Each is one function; its docstring is its caption.
+Pictures go to docs/pictures, as JPEG, and stand in docs/gallery.md. Each is one function; its docstring says what
+it shows. Some need meshes that are not shipped: they are looked for in the folder that SURFTEX_SHARED names, else
+in `../shared`, and skipped with a line where they are missing.
 """
 
+import os
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from scipy.ndimage import maximum_filter
 
 import surftex as sx
+from surftex.features.poisson import poisson_disk
 from surftex.files.meshes import load
+from surftex.geodesics.directions import DirectionField
+from surftex.preview.analyse import drawn
 from surftex.preview.render import render
+from surftex.preview.section import flat_section
 from surftex.preview.sheet import contact_sheet
+from surftex.preview.spectrum import fitted_ring, height_spectrum
+from surftex.randomness import stream
+from surftex.surface.closest import closest_points
 from surftex.surface.shapes import plane
+from surftex.surface.surface import Surface
 
 HERE = Path(__file__).resolve().parent
 MESHES = HERE.parent / "meshes"
+SHARED = Path(os.environ.get("SURFTEX_SHARED", HERE.parent.parent / "shared")) / "meshes"
 HIDES = {
     "calf": 16, "cattle-pebbled": 40, "goat": 24, "pig": 20, "ostrich": 50, "crocodile": 120, "lizard": 24,
     "stingray": 18, "car-interior": 20,
 }  # fmt: skip
 """Side of the sheet, in mm, that shows each hide."""
+WIDEST = 1400
+"""Pixels across, of any picture."""
+LARGE_GOAT = {
+    "cell_size": "3 mm",
+    "crista_height": "0.35 mm",
+    "sulcus_width": "0.5 mm",
+    "sulcus_depth": "0.13 mm",
+}
+"""Goat whose cells can be seen on a thing of half a metre."""
+
+
+class MissingMeshError(Exception):
+    """A mesh that is not shipped is not there."""
 
 
 def save(picture, name):
-    Image.fromarray(np.asarray(picture)).save(HERE / "pictures" / f"{name}.jpg", quality=88)
+    """Write a JPEG, no wider than WIDEST."""
+    image = Image.fromarray(np.asarray(picture))
+    if image.width > WIDEST:
+        image = image.resize((WIDEST, round(image.height * WIDEST / image.width)), Image.Resampling.LANCZOS)
+    image.save(HERE / "pictures" / f"{name}.jpg", quality=86, optimize=True)
+
+
+def shared(name):
+    """Find a mesh that is not shipped."""
+    path = SHARED / name
+    if not path.exists():
+        raise MissingMeshError(f"{path} is not there; SURFTEX_SHARED names the folder that holds meshes/")
+    return path
 
 
 def sheet_of(material, side_mm, *, size=420, seed=7, light="raking", fields=None):
+    """Bake a flat sheet and draw it."""
     surface = plane(side_mm, cells=24)
     if fields is not None:
         material = sx.Recipe.model_validate({"surftex": 1, "fields": fields, "layer": [material]})
     maps = sx.bake(surface, material, resolution=768, seed=seed)
     return render(maps, size=(size, size), view="front", light=light, zoom=1.06, floor=False)
+
+
+def towards(surface, place):
+    """Azimuth and elevation, in degrees, from which a place is seen from straight in front."""
+    point, _ = closest_points(surface, np.array([place], float))
+    x, y, z = (surface.vertex_normal[surface.faces[point.face[0]]] * point.barycentric[0][:, None]).sum(
+        axis=0
+    )
+    return float(np.degrees(np.arctan2(x, z))), float(np.clip(np.degrees(np.arcsin(y)), -80, 80))
+
+
+def seam_at(maps, place):
+    """Middle of the edge nearest to a place along which the unwrap is cut though the surface is smooth, in mm."""
+    surface = maps.surface
+    face, edge = np.nonzero(maps.atlas.seam & (surface.neighbor >= 0))
+    normal = surface.frame[:, 2]
+    smooth = (normal[face] * normal[surface.neighbor[face, edge]]).sum(axis=1) > 0.95
+    face, edge = face[smooth], edge[smooth]
+    ends = surface.faces[face, edge], surface.faces[face, (edge + 1) % 3]
+    middle = surface.vertices[np.stack(ends)].mean(axis=0)
+    return middle[np.argmin(np.linalg.norm(middle - np.asarray(place), axis=1))]
+
+
+def three_scales(surface, material, near, seam, name, *, resolution=4096, far=None, zooms=(5.0, 9.0)):
+    """Bake, and draw from far, near, and at the cut of the unwrap that is nearest to a place."""
+    maps = sx.bake(
+        surface, material, resolution=resolution, seed=7, maps=("base_color", "roughness", "normal", "height")
+    )
+    size = (560, 480)
+    cut = seam_at(maps, seam)
+    pictures = [render(maps, size=size, **(far or {}))]
+    for place, zoom, light in ((np.asarray(near, float), zooms[0], "studio"), (cut, zooms[1], "studio")):
+        seen = {
+            "view": towards(surface, place),
+            "target": place + surface.origin_mm,
+            "zoom": zoom,
+            "light": light,
+        }
+        pictures.append(render(maps, size=size, floor=False, **seen))
+    save(contact_sheet(pictures, ["far", "near", "across a seam of the unwrap"], columns=3), name)
 
 
 def hides():
@@ -43,80 +122,179 @@ def hides():
     save(contact_sheet(pictures, [f"{name}, {side} mm" for name, side in HIDES.items()], columns=3), "hides")
 
 
-def figure_12():
-    """Fig. 12 of Sakurai et al.: the twelve settings of Table 1, 500 pixels of 0.02 mm."""
+def figure_10():
+    """Fig. 10 of Sakurai et al.: sites that keep a disk and an ellipse to themselves, and their spectra."""
+    surface = plane(20.0, cells=24)
+    upright = DirectionField.from_axis(surface, (0.0, 1.0, 0.0))
     pictures, labels = [], []
-    for letter in "abcdefghijkl":
-        layer = {"material": "leather", "preset": f"sakurai-12{letter}", "stress": "up"}
-        pictures.append(sheet_of(layer, 10.0, size=320, fields={"up": {"axis": [0.0, 1.0, 0.0]}}))
-        labels.append(f"12 ({letter})")
-    save(contact_sheet(pictures, labels, columns=4), "figure-12")
+    for label, ratio in (("disk", 1.0), ("ellipse, 5 to 3", 5 / 3)):
+        sets = [
+            poisson_disk(surface, 0.5 * np.sqrt(ratio), stream(seed, "docs"), ratio=ratio, direction=upright)
+            for seed in range(8)
+        ]
+        size = 512
+        power = np.zeros((size, size))
+        for sites in sets:
+            place = sites.points.positions(surface)[:, :2]
+            pixel = np.clip(
+                ((place - surface.vertices[:, :2].min(axis=0)) / 20.0 * size).astype(int), 0, size - 1
+            )
+            dots = np.zeros((size, size))
+            np.add.at(dots, (size - 1 - pixel[:, 1], pixel[:, 0]), 1)
+            power += np.abs(np.fft.fftshift(np.fft.fft2(dots - dots.mean()))) ** 2 / dots.sum() / len(sets)
+            corner = np.kron(np.minimum(dots, 1)[:160, :160], np.ones((3, 3)))
+            dot = maximum_filter(corner, footprint=np.hypot(*np.mgrid[-4:5, -4:5]) < 4.3)
+            picture = 255 * (1 - dot)
+        middle = power[size // 2 - 120 : size // 2 + 120, size // 2 - 120 : size // 2 + 120]
+        pictures += [
+            picture.astype(np.uint8),
+            np.kron(np.clip(middle * 90, 0, 255), np.ones((2, 2))).astype(np.uint8),
+        ]
+        labels += [f"{label}: sites", f"{label}: spectrum of 8 sets"]
+    save(contact_sheet(pictures, labels, columns=4), "figure-10")
 
 
 def figure_11():
     """Fig. 11 of the same paper: two anisotropies, across on the left and upright on the right."""
     fields = {"across": {"axis": [1.0, 0.0, 0.0]}, "upright": {"axis": [0.0, 1.0, 0.0]}, "left": "x < 10"}
     surface = plane(20.0, cells=24)
-    layers = [
-        {"material": "leather", "preset": "sakurai-12a", "cell_ratio": 2.2, "direction": "upright"},
-        {
-            "material": "leather",
-            "preset": "sakurai-12a",
-            "cell_ratio": 2.2,
-            "direction": "across",
-            "mask": "left",
-        },
-    ]
+    stretched = {"material": "leather", "preset": "sakurai-12a", "cell_ratio": 2.2, "cell_shape": "ellipse"}
+    layers = [{**stretched, "direction": "upright"}, {**stretched, "direction": "across", "mask": "left"}]
     recipe = sx.Recipe.model_validate({"surftex": 1, "fields": fields, "layer": layers})
     maps = sx.bake(surface, recipe, resolution=1024, seed=7)
     save(render(maps, size=(640, 640), view="front", light="raking", zoom=1.06, floor=False), "figure-11")
 
 
-def shown(mesh, preset, name, *, views, resolution=2048, seed=7, part=None, **changes):
-    surface = load(MESHES / mesh, units=None if mesh.endswith("glb") else "mm", part=part)
-    maps = sx.bake(surface, sx.Leather.preset(preset, **changes), resolution=resolution, seed=seed)
-    pictures = [render(maps, size=(640, 560), **view) for view in views]
-    save(contact_sheet(pictures, ["" for _ in pictures], columns=len(pictures)), name)
-    return pictures
+def figure_12():
+    """Fig. 12 of Sakurai et al.: the twelve settings of Table 1, 500 pixels of 0.02 mm."""
+    pictures, labels = [], []
+    for letter in "abcdefghijkl":
+        layer = {"material": "leather", "preset": f"sakurai-12{letter}", "stress": "up"}
+        pictures.append(sheet_of(layer, 10.0, size=330, fields={"up": {"axis": [0.0, 1.0, 0.0]}}))
+        labels.append(f"12 ({letter})")
+    save(contact_sheet(pictures, labels, columns=4), "figure-12")
+
+
+def figure_15():
+    """Fig. 15 and 14: height, its spectrum with the ring, and a section through furrows; round and long cells."""
+    surface = plane(20.0, cells=24)
+    rows = []
+    for ratio, shape in ((1.0, "round"), (5 / 3, "ellipse")):
+        layer = {
+            "material": "leather", "preset": "sakurai-12a", "cell_ratio": ratio, "cell_shape": shape, "direction": "up",
+        }  # fmt: skip
+        recipe = sx.Recipe.model_validate(
+            {"surftex": 1, "fields": {"up": {"axis": [0.0, 1.0, 0.0]}}, "layer": [layer]}
+        )
+        height = sx.bake(surface, recipe, resolution=768, seed=7, maps=("height",))["height"].astype(float)
+        texel = 20.0 / 768
+        spectrum = height_spectrum(height, texel)
+        line = (300.0, 384.0, 420.0, 384.0)
+        cut = flat_section(height, line[:2], line[2:], texel)
+        rows.append(drawn(height, spectrum, fitted_ring(spectrum), cut, line))
+    save(np.concatenate(rows), "figure-15")
+
+
+def shoe():
+    """A real shoe in pebbled cattle: far, the toe cap, and across a seam of its own unwrap."""
+    surface = load(shared("shoe_variants.glb"))
+    three_scales(surface, sx.Leather.preset("cattle-pebbled"), (110, -10, 25), (0, 10, 50), "shoe")
+
+
+def chair():
+    """The velvet of a real chair becomes pebbled hide of 4 mm; its other parts are left out."""
+    surface = load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet")
+    material = sx.Leather.preset(
+        "cattle-pebbled", cell_size="4 mm", crista_height="0.5 mm", sulcus_width="0.55 mm"
+    )
+    three_scales(surface, material, (200, 100, 200), (0, 0, 200), "chair", zooms=(6.0, 12.0))
+
+
+def real_head():
+    """A scanned head in goat of 3 mm, so that cells can be seen: far, the ear, and across a seam."""
+    surface = load(shared("head_lee_perry_smith.ply"), units="m")
+    ear, cheek = (84.0, 36.0, 22.0), (40.0, 10.0, 75.0)
+    three_scales(
+        surface,
+        sx.Leather.preset("goat", **LARGE_GOAT),
+        ear,
+        cheek,
+        "real-head",
+        far={"view": "front"},
+        zooms=(5.0, 9.0),
+    )
+
+
+def bellows():
+    """The nine pleats of an old camera's bellows, in goat of 3 mm, at 1.5 m for the camera with its tripod."""
+    whole = load(shared("camera_antique.glb"), size="1500 mm")
+    count = np.bincount(whole.component)
+    kept = np.isin(count[whole.component], (136, 148))
+    surface = Surface.from_arrays(whole.vertices, whole.faces[kept], name="bellows")
+    middle = surface.vertices.mean(axis=0)
+    three_scales(
+        surface,
+        sx.Leather.preset("goat", **LARGE_GOAT),
+        middle + np.array([0.0, 100.0, 0.0]),
+        middle,
+        "bellows",
+        zooms=(4.0, 8.0),
+    )
 
 
 def front():
-    """Three shipped meshes: calf shoe, ostrich bag, pebbled cushion."""
-    pictures = [
-        render(
-            sx.bake(load(MESHES / mesh, units="mm"), sx.Leather.preset(preset), resolution=2048, seed=7),
-            size=(640, 560),
-        )
-        for mesh, preset in (
-            ("shoe.obj", "calf"),
-            ("handbag.obj", "ostrich"),
-            ("cushion.obj", "cattle-pebbled"),
-        )
-    ]
-    save(contact_sheet(pictures, ["calf", "ostrich", "cattle-pebbled"], columns=3), "front")
+    """A real shoe in calf, the shipped bag in ostrich, and the toe cap of the shoe near."""
+    size = (560, 480)
+    bag = sx.bake(
+        load(MESHES / "handbag.obj", units="mm"), sx.Leather.preset("ostrich"), resolution=4096, seed=7
+    )
+    mesh = load(MESHES / "shoe.obj", units="mm")
+    calf = sx.bake(mesh, sx.Leather.preset("calf"), resolution=4096, seed=7)
+    toe = np.array([0.0, 10.0, 100.0])
+    close = render(calf, size=size, view=towards(mesh, toe), target=toe, zoom=9.0, floor=False)
+    pictures = [render(calf, size=size), render(bag, size=size), close]
+    save(contact_sheet(pictures, ["calf", "ostrich", "calf, near"], columns=3), "front")
 
 
 def bags():
-    """The bag in ostrich and in crocodile, far and near."""
-    near = {"zoom": 4.0, "light": "raking"}
-    first = shown("handbag.obj", "ostrich", "bag-ostrich", views=[{}, near])
-    second = shown("handbag.obj", "crocodile", "bag-crocodile", views=[{}, near])
-    save(contact_sheet([*first, *second], ["ostrich", "", "crocodile", ""], columns=2), "bags")
-
-
-def head():
-    """The head in goat: far, at the ear, at the nose; cells keep their size."""
-    shown("head.ply", "goat", "head", cell_size="4 mm", crista_height="0.5 mm", sulcus_width="0.9 mm", sulcus_depth="0.2 mm",
-          views=[{}, {"zoom": 5.0, "target": (75.0, 0.0, 0.0)}, {"view": "front", "zoom": 4.0, "light": "raking"}])  # fmt: skip
+    """The bag in ostrich and in crocodile: far, near, and across a seam."""
+    surface = load(MESHES / "handbag.obj", units="mm")
+    for hide in ("ostrich", "crocodile"):
+        three_scales(
+            surface,
+            sx.Leather.preset(hide),
+            (0, 0, 61),
+            (149, 0, 0),
+            f"bag-{hide}",
+            resolution=2048,
+            zooms=(3.0, 6.0),
+        )
 
 
 PICTURES = {
-    made.__name__.replace("_", "-"): made for made in (hides, figure_12, figure_11, front, bags, head)
+    made.__name__.replace("_", "-"): made
+    for made in (
+        front,
+        hides,
+        figure_10,
+        figure_11,
+        figure_12,
+        figure_15,
+        bags,
+        shoe,
+        chair,
+        real_head,
+        bellows,
+    )
 }
 
 if __name__ == "__main__":
     (HERE / "pictures").mkdir(exist_ok=True)
     for name in sys.argv[1:] or PICTURES:
         began = time.perf_counter()
-        PICTURES[name]()
-        print(f"{name}: {time.perf_counter() - began:.0f} s")
+        try:
+            PICTURES[name]()
+        except MissingMeshError as problem:
+            print(f"{name}: skipped: {problem}")
+        else:
+            print(f"{name}: {time.perf_counter() - began:.0f} s", flush=True)

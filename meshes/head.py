@@ -17,13 +17,14 @@ def skull(p):
     forehead = ellipsoid(p, (0, 42, 34), (58, 48, 50))
     face = ellipsoid(p, (0, -36, 25), (63, 76, 61))
     head = union(union(cranium, forehead, 30), face, 34)
-    head = union(head, ellipsoid(p, (45, -27, 56), (21, 16, 20), yaw=35), 40)
+    head = union(head, ellipsoid(p, (42, -30, 55), (22, 18, 20), yaw=35), 44)
+    head = union(head, ellipsoid(p, (36, -62, 52), (24, 28, 22), yaw=30), 40)
     jaw = path(p, [(57, -30, -2), (54, -66, 6), (34, -94, 46), (12, -106, 70)], [14, 14, 13, 12], 10)
     head = union(head, jaw, 30)
     head = union(head, ellipsoid(p, (0, -104, 75), (19, 14, 14)), 20)
     # Temples and the hollow under the cheekbones.
     head = subtraction(head, ellipsoid(p, (90, 20, 48), (18, 30, 32)), 36)
-    return subtraction(head, ellipsoid(p, (78, -66, 58), (16, 24, 22)), 38)
+    return subtraction(head, ellipsoid(p, (84, -64, 60), (14, 22, 20)), 36)
 
 
 def neck(p):
@@ -39,7 +40,7 @@ def brow(p):
 
 
 def nose(p):
-    bridge = path(p, [(0, 14, 82), (0, -6, 92), (0, -28, 104), (0, -38.5, 109)], [5.5, 5.6, 7.2, 8.4], 12)
+    bridge = path(p, [(0, 14, 82), (0, -6, 92), (0, -28, 102.5), (0, -38.5, 106.5)], [5.5, 5.6, 7.2, 8.4], 12)
     sides = rod(p, (3, 2, 82), (9.5, -42, 91), 5, 8.5)
     body = union(bridge, sides, 24)
     wing = ellipsoid(p, (12.8, -42, 95.5), (6.8, 7.2, 10), yaw=12)
@@ -52,12 +53,15 @@ def nostril(p):
 
 
 def lips(p):
-    muzzle = ellipsoid(p, (0, -72, 74), (31, 25, 19))
+    muzzle = ellipsoid(p, (0, -72, 72), (36, 27, 20))
     upper = path(
-        p, [(0, -68.2, 96.0), (6, -67.0, 95.8), (16, -69.6, 92.0), (27, -73.6, 85.0)], [3.8, 4.2, 3.7, 1.6], 0
+        p, [(0, -68.2, 96.0), (6, -67.0, 95.8), (16, -69.8, 93.2), (28, -73.8, 88.0)], [3.8, 4.3, 3.9, 2.0], 0
     )
     lower = path(
-        p, [(0, -78.6, 94.0), (10, -78.2, 92.8), (19, -76.6, 89), (27, -74.4, 85.0)], [5.4, 5.1, 3.9, 1.6], 0
+        p,
+        [(0, -78.6, 94.0), (10, -78.2, 92.8), (19, -76.8, 90.5), (28, -74.6, 88.0)],
+        [5.4, 5.2, 4.2, 2.0],
+        0,
     )
     return muzzle, upper, lower
 
@@ -119,13 +123,15 @@ def ear(p):
             (1.5, -29, -1),
         ],
         [2.6, 3.2, 3.6, 3.8, 3.8, 3.6, 3.4, 3.2, 3.6, 4.6],
-        3,
+        0,
+        5,
     )
     anti = path(
         q,
         [(5.5, 16, -5), (6, 8, -9), (6, -4, -11), (4.5, -14, -7), (3.5, -18, 0)],
         [2.6, 3.0, 3.2, 3.0, 3.4],
-        3,
+        0,
+        5,
     )
     root = ellipsoid(q, (-7, 0, 0), (8, 22, 11))
     lobe = ellipsoid(q, (2, -29, 0), (4.2, 7.5, 6.5))
@@ -139,17 +145,17 @@ def ear(p):
 def face(p):
     body = union(skull(p), neck(p), 40)
     body = union(body, brow(p), 24)
-    body = subtraction(body, ellipsoid(p, (30, -1, 93), (21, 13.5, 17)), 32)
-    body = subtraction(body, ellipsoid(p, (17, -3, 92), (7, 11, 10)), 18)
+    body = subtraction(body, ellipsoid(p, (30, -1, 95), (20, 12.5, 16)), 28)
+    body = subtraction(body, ellipsoid(p, (17, -3, 93), (6, 10, 9)), 16)
     muzzle, upper, lower = lips(p)
     body = union(body, muzzle, 22)
     body = union(body, nose(p), 14)
     body = subtraction(body, ellipsoid(p, (0, -88.5, 96), (17, 5, 7)), 9)
-    body = subtraction(body, path(p, [(21, -50, 95), (30, -62, 88), (33, -76, 80)], [2.2, 2.6, 2.0]), 9)
+    body = subtraction(body, path(p, [(21, -50, 95), (30, -62, 88), (33, -76, 80)], [1.6, 2.0, 1.6]), 9)
     body = subtraction(body, rod(p, (0, -57, 98.5), (0, -63, 101), 1.6, 2.2), 4)
     body = union(union(body, upper, 4.5), lower, 4.5)
     parting = path(
-        p, [(0, -73.2, 99.5), (6, -72.6, 98.5), (16, -73.6, 94.5), (29, -75.0, 86)], [1.7, 1.6, 1.5, 1.4], 0
+        p, [(0, -73.2, 99.5), (6, -72.6, 98.5), (16, -73.8, 95.5), (30, -75.0, 89.5)], [1.7, 1.6, 1.5, 1.4], 0
     )
     body = subtraction(body, parting, 2.5)
     return eyed(body, p)

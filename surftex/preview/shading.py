@@ -9,6 +9,8 @@ from surftex.kernels.pool import slices
 from surftex.preview.studio import Lamps, Studio, mirrored
 
 _MAP_PX = 1024
+_GRAZING = np.float32(0.12)
+"""Least cosine between what shades and the eye."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +157,9 @@ def shaded(
     shorter = np.clip(material[:, 12], 0.05, 1.0)
     alpha = np.sqrt(np.clip(roughness, 0.03, 1) ** 4 + np.minimum((1 - shorter) / shorter, 0.5))
     alpha = np.minimum(alpha, 1.0).astype(np.float32)
+    # A relief that a normal map tells of turns away from a grazing eye; what is seen there is its near side.
+    normal = normal + np.maximum(_GRAZING - (normal * to_eye).sum(axis=1), 0)[:, None] * to_eye
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
     cosine = np.clip((normal * to_eye).sum(axis=1), 0.03, 1.0)
     light, seen = scene.gather(point, normal, facing)
     colors = np.array([box.color for box in scene.studio.boxes] + [(1.0, 1.0, 1.0)], np.float32)
