@@ -6,6 +6,7 @@ stress instead, to the furrow on the other side, and goes on from there.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,8 +98,10 @@ class _Furrows:
     last: NDArray[np.int64]
     length: NDArray[np.float64]
     leaving: NDArray[np.float64]
-    at_vertex: dict[int, list[tuple[int, int]]]
-    between: dict[tuple[int, int], list[int]]
+    vertex: NDArray[np.int32]
+    vertex_end: NDArray[np.int64]
+    pair: NDArray[np.int64]
+    pair_edge: NDArray[np.int64]
     place: NDArray[np.float64]
     place_end: NDArray[np.float64]
     count: int
@@ -120,14 +123,11 @@ class _Furrows:
             ],
             axis=1,
         )
-        at_vertex: dict[int, list[tuple[int, int]]] = {}
-        between: dict[tuple[int, int], list[int]] = {}
-        for edge, curve in enumerate(number):
-            for side in (0, 1):
-                at_vertex.setdefault(int(graph.edge_vertex[curve, side]), []).append((edge, side))
-            low, high = sorted(map(int, graph.edge_region[curve]))
-            between.setdefault((low, high), []).append(edge)
-        at_vertex.pop(-1, None)
+        vertex = graph.edge_vertex[number].ravel()
+        vertex_end = np.argsort(vertex, kind="stable")
+        low, high = np.sort(graph.edge_region[number].astype(np.int64), axis=1).T
+        pair = _pair(low, high)
+        pair_edge = np.argsort(pair, kind="stable")
         length = pieces.curve_length_mm[number]
         return _Furrows(
             graph,
@@ -136,12 +136,26 @@ class _Furrows:
             last + 1,
             length,
             leaving,
-            at_vertex,
-            between,
+            vertex[vertex_end],
+            vertex_end,
+            pair[pair_edge],
+            pair_edge,
             start.positions(surface),
             end.positions(surface),
             len(number),
         )
+
+    def at_vertex(self, vertex: int) -> list[tuple[int, int]]:
+        """Edges that end at a vertex, and which of their ends is there; none for -1."""
+        if vertex < 0:
+            return []
+        rows = self.vertex_end[slice(*np.searchsorted(self.vertex, [vertex, vertex + 1]))]
+        return [(int(row) // 2, int(row) % 2) for row in rows]
+
+    def between(self, low: int, high: int) -> list[int]:
+        """Edges between two regions."""
+        pair = _pair(low, high)
+        return self.pair_edge[slice(*np.searchsorted(self.pair, [pair, pair + 1]))].tolist()
 
     def along(self, edge: int, side: int) -> list[Piece]:
         """Pieces of an edge, walked from one of its ends."""
@@ -203,7 +217,7 @@ class _Walk:
         furrows = self.furrows
         return [
             (edge, side, furrows.along(edge, side), _turn(furrows.leaving[edge, side]))
-            for edge, side in furrows.at_vertex.get(vertex, [])
+            for edge, side in furrows.at_vertex(vertex)
             if edge != came
         ]
 
@@ -245,9 +259,7 @@ class _Walk:
     def _halves(self, regions: tuple[int, ...]) -> list[tuple[int, int, list[Piece], float]]:
         """Both ways along the furrow between two regions, from where the walk has met it."""
         furrows = self.furrows
-        candidates = [
-            edge for edge in furrows.between.get((regions[0], regions[1]), []) if edge not in self.seen
-        ]
+        candidates = [edge for edge in furrows.between(regions[0], regions[1]) if edge not in self.seen]
         if not candidates:
             return []
         face, _, place = self.pieces[-1]
@@ -280,6 +292,11 @@ class _Walk:
                 )
                 options.append((edge, side, half, _turn(turn)))
         return options
+
+
+def _pair(low: Any, high: Any) -> Any:
+    """One number for two regions; int or int64 arrays."""
+    return low * 2**32 + high
 
 
 def _turn(angle: float) -> float:
