@@ -97,20 +97,22 @@ def seam_at(maps, place):
     return middle[np.argmin(np.linalg.norm(middle - np.asarray(place), axis=1))]
 
 
-def three_scales(surface, material, near, seam, name, *, resolution=4096, far=None, zooms=(5.0, 9.0)):
+def three_scales(
+    surface, material, near, seam, name, *, resolution=4096, far=None, zooms=(5.0, 9.0), beside=None
+):
     """Bake, and draw from far, near, and at the cut of the unwrap that is nearest to a place."""
     maps = sx.bake(
         surface, material, resolution=resolution, seed=7, maps=("base_color", "roughness", "normal", "height")
     )
     size = (560, 480)
-    cut = seam_at(maps, seam)
+    point, _ = closest_points(surface, np.array([near], float))
+    near, cut = point.positions(surface)[0], seam_at(maps, seam)
     pictures = [render(maps, size=size, **(far or {}))]
-    for place, zoom, light in ((np.asarray(near, float), zooms[0], "studio"), (cut, zooms[1], "studio")):
+    for place, zoom in zip((near, cut), zooms, strict=True):
         seen = {
-            "view": towards(surface, place),
+            "view": beside or towards(surface, place),
             "target": place + surface.origin_mm,
             "zoom": zoom,
-            "light": light,
         }
         pictures.append(render(maps, size=size, floor=False, **seen))
     save(contact_sheet(pictures, ["far", "near", "across a seam of the unwrap"], columns=3), name)
@@ -166,13 +168,21 @@ def figure_11():
 
 
 def figure_12():
-    """Fig. 12 of Sakurai et al.: the twelve settings of Table 1, 500 pixels of 0.02 mm."""
-    pictures, labels = [], []
+    """Fig. 12 and 16 of Sakurai et al.: the twelve settings of Table 1, 500 pixels of 0.02 mm, as height and lit."""
+    surface = plane(10.0, cells=24)
+    heights, lit, labels = [], [], []
     for letter in "abcdefghijkl":
         layer = {"material": "leather", "preset": f"sakurai-12{letter}", "stress": "up"}
-        pictures.append(sheet_of(layer, 10.0, size=330, fields={"up": {"axis": [0.0, 1.0, 0.0]}}))
+        recipe = sx.Recipe.model_validate(
+            {"surftex": 1, "fields": {"up": {"axis": [0.0, 1.0, 0.0]}}, "layer": [layer]}
+        )
+        maps = sx.bake(surface, recipe, resolution=500, seed=7)
+        grey = np.clip((maps["height"] + 0.08) / 0.16, 0, 1)
+        heights.append((255 * grey[:320, :320]).astype(np.uint8))
+        lit.append(render(maps, size=(320, 320), view="front", light="raking", zoom=1.8, floor=False))
         labels.append(f"12 ({letter})")
-    save(contact_sheet(pictures, labels, columns=4), "figure-12")
+    save(contact_sheet(heights, labels, columns=4), "figure-12")
+    save(contact_sheet(lit, labels, columns=4), "figure-16")
 
 
 def figure_15():
@@ -231,19 +241,14 @@ def bellows():
     count = np.bincount(whole.component)
     kept = np.isin(count[whole.component], (136, 148))
     surface = Surface.from_arrays(whole.vertices, whole.faces[kept], name="bellows")
-    middle = surface.vertices.mean(axis=0)
-    three_scales(
-        surface,
-        sx.Leather.preset("goat", **LARGE_GOAT),
-        middle + np.array([0.0, 100.0, 0.0]),
-        middle,
-        "bellows",
-        zooms=(4.0, 8.0),
-    )
+    low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+    side = np.array([high[0], (low[1] + high[1]) / 2, (low[2] + high[2]) / 2])
+    hide = sx.Leather.preset("goat", **LARGE_GOAT)
+    three_scales(surface, hide, side, side, "bellows", zooms=(3.0, 7.0), beside=(60.0, 20.0))
 
 
 def front():
-    """A real shoe in calf, the shipped bag in ostrich, and the toe cap of the shoe near."""
+    """The shipped shoe in calf, the shipped bag in ostrich, and the toe cap of the shoe near."""
     size = (560, 480)
     bag = sx.bake(
         load(MESHES / "handbag.obj", units="mm"), sx.Leather.preset("ostrich"), resolution=4096, seed=7
