@@ -197,7 +197,9 @@ class _Tracing:
         self.site_flat = self.sites.points.flat(self.surface)[self.site]
         across = slices(self._faces, len(self.surface.faces), size=_FACES, threads=self.threads)
         parts = [part for part in across if part is not None]
-        return _joined(self.surface, parts, len(self.place)) if len(parts) == len(across) else None
+        whole = len(parts) == len(across)
+        across.clear()
+        return _joined(self.surface, parts, len(self.place)) if whole else None
 
     def _vertex_owner(self) -> NDArray[np.int64]:
         """Nearest site of each vertex; -1 where none is, and at vertices of no face."""
@@ -261,15 +263,15 @@ class _Tracing:
                 room *= 2
             elif code == 4:
                 return None
-        piece, piece_id = (array[: counts[0]] for array in pieces)
-        meeting, meeting_id = (array[: counts[1]] for array in meetings)
+        piece, piece_id = (array[: counts[0]].copy() for array in pieces)  # copies let go of the spare room
+        meeting, meeting_id = (array[: counts[1]].copy() for array in meetings)
         return piece, piece_id, meeting, meeting_id, int(counts[2])
 
 
 def _joined(
     surface: Surface, parts: list[tuple[NDArray, NDArray, NDArray, NDArray, int]], shared: int
 ) -> VoronoiGraph:
-    """Join the pieces of all slices into borders; nodes below `shared` lie on mesh edges."""
+    """Join the pieces of all slices, which are let go of, into borders; nodes below `shared` lie on mesh edges."""
     from surftex.kernels.voronoi import chain
 
     total = shared
@@ -278,6 +280,7 @@ def _joined(
             column[column >= shared] += total - shared
         total += inner
     piece, piece_id, meeting, meeting_id = (np.concatenate([part[i] for part in parts]) for i in range(4))
+    parts.clear()
     node, count = np.ascontiguousarray(piece_id[:, 1:3]), len(piece)
     vertex = np.full(total, -1, np.int64)
     vertex[meeting_id[:, 1]] = np.arange(len(meeting))

@@ -60,10 +60,12 @@ def _distance(found, face, x, y, source):
 @part
 def _slope(found, face, x, y, source):
     """Distance from one source, and the direction in which it grows fastest."""
-    _, first, cells, grid, start, entry_row, _, row, row_id = found
+    _, first, cells, grid, start, entry_row, entry_least, row, row_id = found
     bucket = bucket_of(face, x, y, first, cells, grid)
     best, chosen = math.inf, -1
     for e in range(start[bucket], start[bucket + 1]):
+        if entry_least[e] > best:
+            break
         r = entry_row[e]
         if row_id[r, 1] == source:
             d = distance_to(row_id[r, 2], row, r, x, y)
