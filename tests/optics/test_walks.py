@@ -108,7 +108,9 @@ def test_rough_border_passes_as_much_either_way():
     assert passed_in == pytest.approx(1.55**2 * passed_out, rel=3 * error(passed_out, 200_000) / passed_out)
 
 
-@pytest.mark.parametrize(("exponent", "fold", "degrees"), [(2, 0.75, 38.6), (3, 0.75, 35.5), (2, 0.3, 20.8), (3, 0.3, 14.1)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("exponent", "fold", "degrees"), [(2, 0.75, 38.6), (3, 0.75, 35.5), (2, 0.3, 20.8), (3, 0.3, 14.1)]
+)
 def test_folds_slope_as_the_two_laws_say(exponent, fold, degrees):
     number = (np.arange(4096) + 0.5) / 4096
     assert np.degrees(fold_angle(number, fold, exponent)).mean() == pytest.approx(degrees, abs=0.06)
@@ -154,7 +156,7 @@ def test_volume_walk_agrees_with_brute_force():
 
 
 def test_one_path_set_serves_every_absorber():
-    """Reuse against walks that absorption ends one by one: 12 draws of biology at 3 wavelengths, in standard errors."""
+    """Reuse against walks that absorption ends one by one: 12 draws of biology at 3 wavelengths."""
     tissue, count, score = Tissue(base_albedo=0.8), 30_000, []
     draws = stream(11, "biology").uniform(12, 6)
     for k, nm in enumerate((450.0, 560.0, 640.0)):
