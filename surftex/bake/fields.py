@@ -1,6 +1,6 @@
 """The fields of a recipe, made on a surface: pictures and strokes are read here, all else computes itself."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,8 @@ from surftex.recipe.fields import (
     CurvesEntry,
     DirectionEntry,
     DistanceEntry,
+    FaceEntry,
+    FaceLinesEntry,
     GradientEntry,
     ImageEntry,
     NoiseEntry,
@@ -131,6 +133,10 @@ def _number(name: str, entry: Any, surface: Surface, seed: int, where: str) -> F
             return made_once(_located(where, lambda: occlusion_field(surface, entry.occlusion)))
         case DistanceEntry():
             return _distance(entry, surface, where)
+        case FaceEntry():
+            from surftex.fields.face import face_mask
+
+            return face_mask(surface, _landmarks(entry.landmarks, surface), entry.face)
     return entry
 
 
@@ -255,7 +261,18 @@ def _directions() -> "type[DirectionField]":
     return DirectionField
 
 
-def _curves(entry: CurvesEntry, surface: Surface) -> Callable[[], NDArray[Any]]:
+def _landmarks(path: str, surface: Surface) -> Mapping[str, SurfacePoints]:
+    from surftex.files.strokes import read_strokes
+
+    return read_strokes(path, surface).points
+
+
+def _curves(entry: CurvesEntry | FaceLinesEntry, surface: Surface) -> Callable[[], NDArray[Any]]:
+    if isinstance(entry, FaceLinesEntry):
+        from surftex.fields.face import face_lines
+
+        picks = _landmarks(entry.landmarks, surface)
+        return lambda: face_lines(surface, picks, entry.face_lines, width=entry.width, depth=entry.depth)
     from surftex.files.strokes import read_strokes
 
     strokes = [stroke for stroke in read_strokes(entry.curves, surface).strokes if len(stroke.points) > 1]

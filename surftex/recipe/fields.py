@@ -17,6 +17,7 @@ from pydantic import (
     StrictInt,
     StrictStr,
     Tag,
+    field_validator,
 )
 
 from surftex.errors import RecipeError
@@ -146,6 +147,27 @@ class VectorAttributeEntry(_Turnable):
     longest: PositiveMillimetres | None = None
 
 
+class FaceEntry(_Entry):
+    """1 on a part of the face, 0 elsewhere; landmarks are picked in a JSON file of named points."""
+
+    face: StrictStr
+    landmarks: StrictStr
+
+
+class FaceLinesEntry(_Entry):
+    """Lines of the face, carried to a head by the landmarks of a JSON file; width and depth times what is usual."""
+
+    face_lines: tuple[StrictStr, ...]
+    landmarks: StrictStr
+    width: Annotated[Number, Field(gt=0, le=20)] = 1.0
+    depth: Annotated[Number, Field(gt=0, le=20)] = 1.0
+
+    @field_validator("face_lines", mode="before")
+    @classmethod
+    def _one_or_many(cls, value: Any) -> Any:
+        return (value,) if isinstance(value, str) else value
+
+
 class CurvesEntry(_Entry):
     """Curves through the strokes of a JSON file; its own ``width_mm`` and ``depth_mm`` go before these."""
 
@@ -170,6 +192,8 @@ KINDS: dict[str, type[_Entry]] = {
     "vectors": VectorsEntry,
     "vector_attribute": VectorAttributeEntry,
     "curves": CurvesEntry,
+    "face": FaceEntry,
+    "face_lines": FaceLinesEntry,
 }
 """The key that says what an entry is, and the entry."""
 
@@ -199,7 +223,9 @@ FieldEntry = Annotated[
     | Annotated[DirectionEntry, Tag("direction")]
     | Annotated[VectorsEntry, Tag("vectors")]
     | Annotated[VectorAttributeEntry, Tag("vector_attribute")]
-    | Annotated[CurvesEntry, Tag("curves")],
+    | Annotated[CurvesEntry, Tag("curves")]
+    | Annotated[FaceEntry, Tag("face")]
+    | Annotated[FaceLinesEntry, Tag("face_lines")],
     Discriminator(
         _kind,
         custom_error_type="field_kind",
@@ -211,10 +237,10 @@ FieldEntry = Annotated[
 DIRECTIONS = (StrokesEntry, AxisEntry, DirectionEntry, VectorsEntry, VectorAttributeEntry)
 """Entries that are directions."""
 
-CURVES = (CurvesEntry,)
+CURVES = (CurvesEntry, FaceLinesEntry)
 """Entries that are curves; all others are numbers."""
 
-_FILES = ("image", "strokes", "vectors", "curves")
+_FILES = ("image", "strokes", "vectors", "curves", "landmarks")
 
 
 def named_files(entry: Any) -> tuple[str, ...]:

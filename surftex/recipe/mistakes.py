@@ -199,6 +199,10 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
                 _checked_expression(text, numbers, directions, curves)
             except RecipeError as problem:
                 raise located(("layer", i, key), problem) from None
+        for key, name in _curve_names(layer).items():
+            if name not in curves:
+                hint = nearest(name, curves) or "; [fields] has none"
+                raise located(("layer", i, key), RecipeError(f"curves {name!r} do not exist{hint}"))
         for key, name in _directions(layer).items():
             if name not in directions:
                 kind = (
@@ -244,6 +248,15 @@ def _expressions(layer: Layer) -> dict[str, str]:
     return found
 
 
+def _curve_names(layer: Layer) -> dict[str, str]:
+    """Parameters that name curves: those whose name ends so."""
+    return {
+        key: value
+        for key in type(layer.material).model_fields
+        if key.endswith("_curves") and isinstance(value := getattr(layer.material, key), str)
+    }
+
+
 def _directions(layer: Layer) -> dict[str, str]:
     """Parameters that name a direction: text or nothing."""
     return {
@@ -251,4 +264,5 @@ def _directions(layer: Layer) -> dict[str, str]:
         for key, field in type(layer.material).model_fields.items()
         if isinstance(value := getattr(layer.material, key), str)
         and plain_types(field.annotation) == {str, type(None)}
+        and not key.endswith("_curves")
     }

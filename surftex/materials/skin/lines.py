@@ -137,6 +137,28 @@ def wrinkles(
     return curve_table(surface, pieces, width_mm=width, depth_mm=depth, side=side)
 
 
+def drawn_lines(table: NDArray, random: Stream) -> NDArray:
+    """Take drawn curves for wrinkles.
+
+    Parameters
+    ----------
+    table : (p,) structured array
+        Rows of `surftex.features.curves`, with ``width_mm`` and ``depth_mm``.
+    random : Stream
+        Decides on which side each has its fold.
+
+    Returns
+    -------
+    lines : (p,) structured array
+        See `LINE`.
+    """
+    lines = np.zeros(len(table), LINE)
+    for name in table.dtype.names or ():
+        lines[name] = table[name]
+    lines["side"] = np.where(random.uniform(_curves(table))[:, 0] < 0.5, 1.0, -1.0)[table["curve"]]
+    return lines
+
+
 def _starts(
     surface: Surface, where: Field | None, random: Stream, count: int, per_1000_mm2: float
 ) -> SurfacePoints:

@@ -180,6 +180,9 @@ class Skin(BaseModel):
 
     wrinkle_count: Count = _field(0, "wrinkle", "Number of wrinkles.", ge=0)
     wrinkle_density: Amount = _field(0.0, "wrinkle", "Further wrinkles, per 1000 mm^2.")
+    wrinkle_curves: str | None = _field(
+        None, "wrinkle", "Curves of the recipe that are wrinkles, such as strokes or lines of the face."
+    )
     wrinkle_where: Mask = _where("wrinkle", "wrinkles")
     wrinkle_direction: str | None = _field(
         None, "wrinkle", "Direction field that they grow along; smoothest without it."

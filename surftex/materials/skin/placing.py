@@ -12,7 +12,7 @@ from surftex.fields.sources import Field
 from surftex.geodesics.directions import DirectionField
 from surftex.kernels.pool import Tick
 from surftex.materials.skin.kinds import KINDS, setting
-from surftex.materials.skin.lines import vessels, wrinkles
+from surftex.materials.skin.lines import drawn_lines, vessels, wrinkles
 from surftex.materials.skin.model import Skin
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
@@ -74,6 +74,10 @@ def place(
     where = likelihood(skin, fields, "wrinkle")
     along = _direction(fields, skin.wrinkle_direction)
     features["wrinkle"] = wrinkles(skin, surface, where, along, stream(seed, "skin", "wrinkle"), threads)
+    if skin.wrinkle_curves is not None:
+        drawn = drawn_lines(fields.curves(skin.wrinkle_curves), stream(seed, "skin", "drawn wrinkles"))
+        drawn["curve"] += int(features["wrinkle"]["curve"].max(initial=-1)) + 1
+        features["wrinkle"] = np.concatenate([features["wrinkle"], drawn])
     told(1.0)
     return {kind: table for kind, table in features.items() if len(table)}
 
