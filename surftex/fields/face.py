@@ -76,13 +76,21 @@ def face_mask(surface: Surface, picks: Mapping[str, SurfacePoints], name: str) -
         """How far outside the mask places in space are, in parts of its softness: -1 in, 1 out."""
         return _outside(drawn, warp(places)) / soft
 
+    corner = outside(surface.vertices + surface.origin_mm)[surface.faces]
+    room = warp.steepest * surface.edge_length.max(axis=1) / soft
+    low, high = _softened(corner.max(axis=1) + room), _softened(corner.min(axis=1) - room)
+    open_faces = high > low  # on all others the mask is the same everywhere
+
     def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-        return _softened(outside(file_positions(surface, points)))
+        value = low[points.face]
+        rows = np.flatnonzero(open_faces[points.face])
+        if len(rows):
+            some = SurfacePoints.trusted(points.face[rows], points.barycentric[rows])
+            value[rows] = _softened(outside(file_positions(surface, some)))
+        return value
 
     def span() -> Span:
-        corner = outside(surface.vertices + surface.origin_mm)[surface.faces]
-        room = warp.steepest * surface.edge_length.max(axis=1) / soft
-        return _softened(corner.max(axis=1) + room), _softened(corner.min(axis=1) - room)
+        return low, high
 
     return SpannedField(field, span)
 
