@@ -147,6 +147,8 @@ def bake_pages(
             if name in _FROM_HEIGHT:
                 result = tools.map(name, tile, height)
                 page.reshape(resolution * resolution, *page.shape[2:])[place] = result[own]
+                del result
+        del tile, height, place  # or the next tile would be made beside this one
     count = int(np.count_nonzero(mapped))
     if count == 0:
         raise InputError(f"no texel of {resolution} x {resolution} shows the surface; raise the resolution")
