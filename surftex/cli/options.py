@@ -109,6 +109,11 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     presets.add_argument("name", nargs="?", metavar="NAME", help="print this preset as TOML")
     presets.add_argument("--json", action="store_true", help="as JSON")
     _analyse(command("analyse", "Spectrum, statistics and a section of a height map, as PNG and JSON."))
+    _match(
+        command(
+            "match", "Match a render model to light in skin, over all its biology: a table.", epilog=_CODES
+        )
+    )
     _render(command("render", "Draw a still of a mesh or of a bake's GLB."))
     cache = command("cache", "Look after the compiled kernels, and the unwraps and features that are kept.")
     action = cache.add_mutually_exclusive_group(required=True)
@@ -220,6 +225,42 @@ def _analyse(parser: Parser) -> None:
         "--mm-per-texel", type=_number, metavar="MM", help="(default: from the bake's report)"
     )
     parser.add_argument("--json", action="store_true", help="print the result on stdout")
+
+
+def _match(parser: Parser) -> None:
+    parser.add_argument("--shader", metavar="NAME", default="ggx-lambert", help="(default: ggx-lambert)")
+    parser.add_argument(
+        "--engine", metavar="NAME", default="volume", help="volume, or biospec (default: volume)"
+    )
+    parser.add_argument("-o", "--out", metavar="TABLE.npz", help="the table (default: ./skin-<shader>.npz)")
+    parser.add_argument(
+        "--seed", type=_whole, metavar="N", default=0, help="of everything random (default: 0)"
+    )
+    parser.add_argument("--nodes", metavar="A=N,B=N,...", help="of each parameter, such as melanin=8,blood=6")
+    parser.add_argument(
+        "--paths", type=_whole, metavar="N", default=20_000, help="photons per wavelength (default: 20000)"
+    )
+    parser.add_argument(
+        "--beam-paths", type=_whole, metavar="N", default=10_000,
+        help="photons per wavelength for the subsurface radius (default: 10000)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--step-nm", type=_number, metavar="NM", default=10.0, help="between wavelengths (default: 10)"
+    )
+    parser.add_argument(
+        "--lock-surface", action="store_true", help="keep the surface's own gloss; match the colour alone"
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="changes",
+        help="change the tissue, such as fold=0.4 or base_albedo=0.6; may be repeated",
+    )  # fmt: skip
+    parser.add_argument("--threads", type=_whole, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument(
+        "--cache", action=argparse.BooleanOptionalAction, default=True,
+        help="go on from pieces that an earlier run has finished (default: --cache)",
+    )  # fmt: skip
+    parser.add_argument("--overwrite", action="store_true", help="replace the table")
+    parser.add_argument("--json", action="store_true", help="print the report on stdout")
 
 
 def _render(parser: Parser) -> None:

@@ -16,6 +16,7 @@ TITLES = {
     "seams": "measuring seams",
     "displace": "displacing the mesh",
     "save": "writing files",
+    "match": "matching",
 }
 """What each stage is called on the screen."""
 

@@ -92,6 +92,8 @@ class Making:
         for name, count in self.nodes.items():
             if not 1 <= count <= 33:
                 raise InputError(f"nodes of {name} are {count}; they go from 1 to 33")
+        if not 1 <= self.step_nm <= 50:
+            raise InputError(f"step_nm is {self.step_nm:g}; it goes from 1 to 50")
         for name, least in (("paths", 100), ("beam_paths", 0)):
             if getattr(self, name) < least:
                 raise InputError(f"{name} is {getattr(self, name)}; it takes at least {least}")

@@ -1,0 +1,144 @@
+"""Tables of skin as files: made piece by piece, gone on from after an interruption, whole or not there."""
+
+import hashlib
+import os
+import time
+from collections.abc import Iterator, MutableMapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError
+from surftex.files import shelf
+from surftex.files.output import write_whole
+from surftex.files.reading import read_bytes
+from surftex.kernels.pool import Tick
+from surftex.optics.making import Making, make_table
+from surftex.optics.table import SkinTable
+
+
+class ShelvedPieces(MutableMapping[str, NDArray[np.float64]]):
+    """Finished pieces of a table, also those of earlier runs; each is on the disk as soon as it is there.
+
+    Parameters
+    ----------
+    look : bool
+        Whether to take pieces of earlier runs.
+    """
+
+    def __init__(self, *, look: bool = True) -> None:
+        self.look = look
+        self.pieces: dict[str, NDArray[np.float64]] = {}
+        self.found = 0
+
+    def __contains__(self, name: object) -> bool:
+        if name not in self.pieces and self.look:
+            arrays = shelf.kept(_key(str(name)))
+            if arrays is not None and "values" in arrays:
+                self.pieces[str(name)] = arrays["values"]
+                self.found += 1
+        return name in self.pieces
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        return self.pieces[name]
+
+    def __setitem__(self, name: str, values: NDArray[np.float64]) -> None:
+        self.pieces[name] = values
+        shelf.keep(_key(name), {"values": values})
+
+    def __delitem__(self, name: str) -> None:
+        del self.pieces[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.pieces)
+
+    def __len__(self) -> int:
+        return len(self.pieces)
+
+
+def match_to_file(
+    making: Making,
+    path: str | Path,
+    *,
+    overwrite: bool = False,
+    look: bool = True,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> dict[str, Any]:
+    """Make a table of skin and write it.
+
+    Parameters
+    ----------
+    making : Making
+        How.
+    path : path
+        Of the ``.npz``, in a folder that is there.
+    overwrite : bool
+        Whether it may replace a file.
+    look : bool
+        Whether to take finished pieces of earlier runs with the same settings; they are the same numbers.
+    threads : int, optional
+        None means every core; it changes no byte.
+    tick : callable, optional
+        Told the finished share; may raise to stop.
+
+    Returns
+    -------
+    report : dict
+        What was made, and what it took.
+
+    Raises
+    ------
+    InputError
+        If the file is there already, or its folder is not; before any work.
+    WorkError
+        If it cannot be written.
+    """
+    path = Path(path)
+    if path.suffix != ".npz":
+        raise InputError(f"{path}: a table of skin is an .npz; name it {path.with_suffix('.npz').name}")
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}; make it first")
+    if os.path.lexists(path) and not overwrite:
+        raise InputError(
+            f"{path} is there already; choose another name, or allow it with overwrite (--overwrite)"
+        )
+    pieces, wall, processor = ShelvedPieces(look=look), time.perf_counter(), time.process_time()
+    table = make_table(making, kept=pieces, threads=threads, tick=tick)
+    write_whole(path, table.to_bytes())
+    return {
+        "table": str(path),
+        "entries": int(np.prod(table.values.shape[:-1])),
+        "pieces": len(pieces),
+        "pieces_of_earlier_runs": pieces.found,
+        "wall_s": round(time.perf_counter() - wall, 3),
+        "cpu_s": round(time.process_time() - processor, 3),
+        "settings": table.settings,
+    }
+
+
+def load_table(path: str | Path) -> SkinTable:
+    """Read a table of skin that ``surftex match`` has made.
+
+    Parameters
+    ----------
+    path : path
+        Of the ``.npz``.
+
+    Returns
+    -------
+    table : SkinTable
+        For ``sx.optics.lookup(..., table=table)``.
+
+    Raises
+    ------
+    InputError
+        If it is none, or damaged.
+    """
+    return SkinTable.from_bytes(read_bytes(path, purpose="table of skin"), str(path))
+
+
+def _key(name: str) -> str:
+    return hashlib.sha256(f"table of skin {name}".encode()).hexdigest()

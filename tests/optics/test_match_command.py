@@ -1,0 +1,119 @@
+"""``surftex match``: what it writes, what it refuses, and that an interruption costs little."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from surftex.bake.matching import load_table
+from surftex.errors import InputError
+from surftex.optics import lookup
+from surftex.optics.making import Making, make_table
+
+SMALL = ["--nodes", "pheomelanin=1,melanin=2,epidermis_cm=2,stratum_corneum_cm=2,blood=2,oxygenation=1",
+         "--paths", "300", "--beam-paths", "200", "--step-nm", "50"]  # fmt: skip
+SAME = Making(
+    nodes={"pheomelanin": 1, "melanin": 2, "epidermis_cm": 2, "stratum_corneum_cm": 2, "blood": 2, "oxygenation": 1},
+    paths=300, beam_paths=200, step_nm=50.0,
+)  # fmt: skip
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("SURFTEX_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path
+
+
+def match(folder, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "surftex", "match", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=200,
+    )
+
+
+def test_a_table_is_written_and_found_again(folder):
+    first = match(folder, *SMALL, "--json")
+    assert first.returncode == 0, first.stderr
+    report = json.loads(first.stdout)
+    assert report["entries"] == 16
+    assert report["pieces_of_earlier_runs"] == 0
+    data = (folder / "skin-ggx-lambert.npz").read_bytes()
+    assert data == make_table(SAME, threads=1).to_bytes()
+    again = match(folder, *SMALL, "--out", "again.npz", "--threads", "1")
+    assert "4 of 4 pieces are of an earlier run" in again.stderr
+    assert (folder / "again.npz").read_bytes() == data
+    look = lookup({"melanin": [0.01, 0.3]}, table=load_table(folder / "again.npz"))
+    assert (look.base_color[0] > look.base_color[1]).all()
+
+
+def test_an_interrupted_run_leaves_no_table_and_is_gone_on_from(folder):
+    slow = [*SMALL[:2], "--paths", "20000", "--beam-paths", "0", "--threads", "1"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "surftex", "match", *slow], cwd=folder, stderr=subprocess.PIPE, text=True
+    )
+    kept = folder / "cache" / "results"
+    for _ in range(1200):
+        if kept.is_dir() and any(len(each.name) == 64 for each in kept.iterdir()):
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130, said
+    assert "the same command goes on" in said
+    assert not list(folder.glob("*.npz"))
+    assert not [each for each in folder.iterdir() if each.name.startswith(".")]
+
+
+def test_pieces_that_are_there_are_not_done_again():
+    kept = {}
+    whole = make_table(SAME, kept=kept)
+    kept.pop(sorted(kept)[1])
+    asked = []
+    part = make_table(SAME, kept=kept, tick=asked.append)
+    assert np.array_equal(whole.values, part.values)
+    assert sorted(asked) == asked
+    assert len(asked) < 15
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (["--shader", "phong"], "there is no shader 'phong'; known are ggx-lambert, principled, ashikhmin-shirley"),
+        (["--engine", "mcml"], "there is no engine 'mcml'; known are biospec, volume"),
+        (["--nodes", "melanine=3"], "skin has no parameter 'melanine'; known are"),
+        (["--nodes", "melanin=90"], "nodes of melanin are 90; they go from 1 to 33"),
+        (["--nodes", "melanin"], "'melanin' sets nothing; write --nodes melanin=8,blood=6"),
+        (["--paths", "3"], "paths is 3; it takes at least 100"),
+        (["--set", "fold=2"], "fold is 2.0; it goes from 0 to 0.9"),
+        (["--set", "base_albdo=1"], "tissue has no 'base_albdo'"),
+        (["--step-nm", "0"], "step_nm is 0; it goes from 1 to 50"),
+        (["--out", "nowhere/skin.npz"], "there is no folder nowhere"),
+        (["--out", "skin.exr"], "a table of skin is an .npz; name it skin.npz"),
+    ],
+)  # fmt: skip
+def test_a_wrong_option_is_refused(folder, wrong, message, capsys, monkeypatch):
+    from surftex.cli import main
+
+    monkeypatch.chdir(folder)
+    assert main(["match", *wrong]) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+    assert not list(folder.iterdir())
+
+
+def test_a_file_that_is_there_stays(folder):
+    (folder / "skin-ggx-lambert.npz").write_bytes(b"mine")
+    process = match(folder, *SMALL)
+    assert process.returncode == 2
+    assert "--overwrite" in process.stderr
+    assert (folder / "skin-ggx-lambert.npz").read_bytes() == b"mine"
+    with pytest.raises(InputError, match="is no table of skin"):
+        load_table(folder / "skin-ggx-lambert.npz")
