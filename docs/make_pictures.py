@@ -241,7 +241,8 @@ def bellows():
     count = np.bincount(whole.component)
     kept = np.isin(count[whole.component], (136, 148))
     surface = Surface.from_arrays(whole.vertices, whole.faces[kept], name="bellows")
-    low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+    seen = surface.vertices[np.unique(surface.faces)]
+    low, high = seen.min(axis=0), seen.max(axis=0)
     side = np.array([high[0], (low[1] + high[1]) / 2, (low[2] + high[2]) / 2])
     hide = sx.Leather.preset("goat", **LARGE_GOAT)
     three_scales(surface, hide, side, side, "bellows", zooms=(3.0, 7.0), beside=(60.0, 20.0))
