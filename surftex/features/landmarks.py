@@ -116,7 +116,24 @@ class Warp:
             carried += np.exp(-away / self.reach)[:, None] * weight
         return carried
 
-    @property
-    def steepest(self) -> float:
-        """Bound on how much longer a short way becomes."""
-        return self.scale + float(np.linalg.norm(self.weight, axis=1).sum()) / self.reach
+    def steepness(self, places: ArrayLike, around: ArrayLike) -> NDArray[np.float64]:
+        """Bound how much longer short ways become near places.
+
+        Parameters
+        ----------
+        places : (n, 3) float
+            In the space of the sources.
+        around : (n,) float
+            How far around each.
+
+        Returns
+        -------
+        most : (n,) float64
+            Times the length of any way within that distance.
+        """
+        points, room = np.asarray(places, np.float64), np.asarray(around, np.float64)
+        most = np.full(len(points), self.scale)
+        for centre, weight in zip(self.centre, self.weight, strict=True):
+            away = np.maximum(np.sqrt(((points - centre) ** 2).sum(axis=1)) - room, 0)
+            most += np.exp(-away / self.reach) * (np.linalg.norm(weight) / self.reach)
+        return most

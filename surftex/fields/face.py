@@ -76,8 +76,12 @@ def face_mask(surface: Surface, picks: Mapping[str, SurfacePoints], name: str) -
         """How far outside the mask places in space are, in parts of its softness: -1 in, 1 out."""
         return _outside(drawn, warp(places)) / soft
 
-    corner = outside(surface.vertices + surface.origin_mm)[surface.faces]
-    room = warp.steepest * surface.edge_length.max(axis=1) / soft
+    place = surface.vertices + surface.origin_mm
+    corner = outside(place)[surface.faces]
+    edge = surface.edge_length.max(axis=1)
+    # No point of a face is farther from its nearest corner than this.
+    reach = edge / np.sqrt(3)
+    room = warp.steepness(place[surface.faces[:, 0]], edge) * reach / soft
     low, high = _softened(corner.max(axis=1) + room), _softened(corner.min(axis=1) - room)
     open_faces = high > low  # on all others the mask is the same everywhere
 
