@@ -1,6 +1,8 @@
 """Light in layered tissue: spectra, walks of light, BRDFs, matched render models, tables. It knows no mesh."""
 
 from surftex.optics.appearance import SkinAppearance, lookup, skin_color
+from surftex.optics.fitting import fit_reflectance
 from surftex.optics.slab import slab
+from surftex.optics.types import skin_type, skin_types
 
-__all__ = ["SkinAppearance", "lookup", "skin_color", "slab"]
+__all__ = ["SkinAppearance", "fit_reflectance", "lookup", "skin_color", "skin_type", "skin_types", "slab"]

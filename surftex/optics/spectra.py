@@ -12,11 +12,27 @@ from surftex.errors import InputError
 SHORTEST_NM, LONGEST_NM = 380.0, 780.0
 
 
+def table_rows(name: str) -> list[list[str]]:
+    """Read a table of the package.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+
+    Returns
+    -------
+    rows : list of list of str
+        The first holds the names of the columns; lines that start with # tell where the rest comes from.
+    """
+    text = files("surftex.optics").joinpath("data", name).read_text("utf-8")
+    return [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+
+
 @cache
 def _table(name: str) -> tuple[list[str], NDArray[np.float64]]:
-    text = files("surftex.optics").joinpath("data", name).read_text("utf-8")
-    lines = [line for line in text.splitlines() if not line.startswith("#")]
-    return lines[0].split(","), frozen(np.array([line.split(",") for line in lines[1:]], np.float64))
+    names, *rows = table_rows(name)
+    return names, frozen(np.array(rows, np.float64))
 
 
 def chromophore(name: str, nm: ArrayLike) -> NDArray[np.float64]:
