@@ -145,7 +145,7 @@ def face_lines(
             wide.append(group["width_mm"] * width)
             deep.append(group["depth_mm"] * depth)
     place = warp(np.concatenate(controls))
-    points, distance = closest_points(surface, place - surface.origin_mm)
+    points, distance = _on_skin(surface, picks, place)
     if (distance > _FARTHEST_CM * warp.scale).any():
         raise RecipeError(
             f"face_lines: {int((distance > _FARTHEST_CM * warp.scale).sum())} of {len(place)} places miss the surface, by up "
@@ -153,6 +153,18 @@ def face_lines(
         )
     pieces = spline(surface, points, np.concatenate(curve), threads=threads)
     return curve_table(surface, pieces, width_mm=np.array(wide), depth_mm=np.array(deep))
+
+
+def _on_skin(
+    surface: Surface, picks: Mapping[str, SurfacePoints], place: NDArray[np.float64]
+) -> tuple[SurfacePoints, NDArray[np.float64]]:
+    """Lay places onto the component that most landmarks lie on, past eyeballs and lashes."""
+    component = surface.component
+    picked = np.concatenate([component[point.face] for point in picks.values()])
+    own = np.flatnonzero(component == np.bincount(picked).argmax())
+    skin = Surface.from_arrays(surface.vertices, surface.faces[own])
+    points, distance = closest_points(skin, place - surface.origin_mm)
+    return SurfacePoints(own[points.face].astype(np.int32), points.barycentric), distance
 
 
 def _softened(outside: NDArray[np.float64]) -> NDArray[np.float64]:

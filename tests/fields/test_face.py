@@ -8,11 +8,12 @@ import pytest
 from surftex.bake.fields import make_fields
 from surftex.errors import RecipeError
 from surftex.features.curves import curve_pieces
-from surftex.fields.face import face_atlas
+from surftex.fields.face import face_atlas, face_lines
 from surftex.files.meshes import load
 from surftex.recipe.read import recipe_from_text
 from surftex.surface.closest import closest_points
 from surftex.surface.points import SurfacePoints
+from surftex.surface.surface import Surface
 
 LAYER = '\n[[layer]]\npreset = "calf"\n'
 
@@ -126,3 +127,24 @@ def test_too_few_landmarks_and_unknown_ones(head, picks, tmp_path):
         (tmp_path / "p.json").write_text(json.dumps({"points": points}))
         with pytest.raises(RecipeError, match=says):
             fields('a = { face = "lips", landmarks = "p.json" }', head, tmp_path)
+
+
+def test_lines_lie_on_the_skin_where_lashes_stand_before_it(head, picks, meshes):
+    places = np.array(list(picks.values()))
+    corner = places[list(picks).index("left_eye_outer")] - head.origin_mm
+    near = np.flatnonzero(np.linalg.norm(head.vertices[head.faces].mean(axis=1) - corner, axis=1) < 9)
+    lash = head.vertices + 0.5 * head.vertex_normal
+    both = Surface.from_arrays(
+        np.concatenate([head.vertices, lash]),
+        np.concatenate([head.faces, head.faces[near] + len(head.vertices)]),
+        origin_mm=tuple(head.origin_mm),
+    )
+    points, away = closest_points(head, places - head.origin_mm)
+    assert away.max() < 5
+    named = {
+        name: SurfacePoints(points.face[i : i + 1], points.barycentric[i : i + 1])
+        for i, name in enumerate(picks)
+    }
+    table = face_lines(both, named, ("crows_feet",))
+    assert len(np.unique(table["curve"])) == len(face_atlas()["lines"]["crows_feet"]["curves"])
+    assert table["face"].max() < len(head.faces)
