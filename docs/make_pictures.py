@@ -277,6 +277,44 @@ def bags():
         )
 
 
+def skin_colours():
+    """Skin by its biology: the six types beside what was measured, moods of the blood, melanin against blood."""
+    from PIL import ImageDraw, ImageFont
+
+    from surftex.optics import lookup, skin_types
+    from surftex.optics.spectra import rgb_weights
+
+    def strip(colors, text, side):
+        codes = np.clip(colors, 0, 1)
+        codes = np.where(codes < 0.0031308, 12.92 * codes, 1.055 * codes ** (1 / 2.4) - 0.055)
+        cells = np.repeat(np.repeat(np.round(255 * codes).astype(np.uint8), side, 0), side, 1)
+        image = Image.new("RGB", (cells.shape[1], cells.shape[0] + 24), "#ffffff")
+        image.paste(Image.fromarray(cells), (0, 24))
+        ImageDraw.Draw(image).text((4, 5), text, fill="#222222", font=ImageFont.load_default(13))
+        return np.asarray(image)
+
+    types, surface = skin_types().values(), 0.0465
+    measured = np.array([each.reflectance @ rgb_weights(each.nm) for each in types])
+    rows = [np.stack([measured, np.array([lookup(each.biology).base_color[0] + surface for each in types])])]
+    for change in ({}, {"blood": 3.0}, {"blood": 1 / 3}, {"oxygenation": 0.4}):
+        moods = [
+            each.biology | {name: each.biology[name] * by for name, by in change.items()} for each in types
+        ]
+        rows.append(np.array([lookup(mood).base_color[0] + surface for mood in moods])[None])
+    titles = "above: measured, dark to very light; below: fitted", "at rest", "blush", "pallor", "cyanosis"
+    left = [strip(row, title, 90) for row, title in zip(rows, titles, strict=True)]
+    melanin, blood = np.meshgrid(np.geomspace(0.005, 0.43, 12), np.geomspace(0.003, 0.12, 9))
+    grid = lookup({"melanin": melanin.ravel(), "blood": blood.ravel()}).base_color.reshape(9, 12, 3) + surface
+    right = strip(grid, "across: melanosomes 0.5 to 43 %; down: blood 0.3 to 12 %", 65)
+    column = np.concatenate(left)
+    high = max(len(column), len(right))
+    padded = [
+        np.pad(each, ((0, high - len(each)), (0, 16), (0, 0)), constant_values=255)
+        for each in (column, right)
+    ]
+    save(np.concatenate(padded, axis=1), "skin-colours")
+
+
 PICTURES = {
     made.__name__.replace("_", "-"): made
     for made in (
@@ -291,6 +329,7 @@ PICTURES = {
         chair,
         real_head,
         bellows,
+        skin_colours,
     )
 }
 

@@ -2,7 +2,18 @@
 
 from surftex.optics.appearance import SkinAppearance, lookup, skin_color
 from surftex.optics.fitting import fit_reflectance
+from surftex.optics.inputs import blender_inputs, gltf_material
 from surftex.optics.slab import slab
 from surftex.optics.types import skin_type, skin_types
 
-__all__ = ["SkinAppearance", "fit_reflectance", "lookup", "skin_color", "skin_type", "skin_types", "slab"]
+__all__ = [
+    "SkinAppearance",
+    "blender_inputs",
+    "fit_reflectance",
+    "gltf_material",
+    "lookup",
+    "skin_color",
+    "skin_type",
+    "skin_types",
+    "slab",
+]
