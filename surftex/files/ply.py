@@ -71,7 +71,18 @@ def read_ply(data: bytes, where: str) -> Polygons:
         found[element.name], offset = _read_element(body, offset, order, element, where)
         if "vertex" in found and "face" in found:
             break
+    if not order:
+        for name, values in found.items():
+            for column, kind, listed in by_name[name].properties:
+                if listed is None and kind[0] in "iu" and _fits(values[column], kind):
+                    values[column] = values[column].astype(kind)
     return _assembled(found["vertex"], found["face"], where)
+
+
+def _fits(values: NDArray[np.float64], kind: str) -> bool:
+    """Tell whether words of a text are whole numbers of the type that its head names."""
+    bounds = np.iinfo(kind)
+    return bool(np.all((values >= bounds.min) & (values <= bounds.max) & (values == np.rint(values))))
 
 
 def _read_element(
