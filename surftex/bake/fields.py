@@ -248,9 +248,9 @@ def _unturned(entry: Any, surface: Surface) -> Made:
 
             hung = VectorField.from_attribute(surface, entry.vector_attribute, entry.longest)
             return lambda: hung
-        case DirectionEntry(direction="curvature" | "langer"):
+        case DirectionEntry(direction="curvature"):
             return lambda: _directions().from_curvature(surface)
-        case DirectionEntry(direction="least_curvature"):
+        case DirectionEntry(direction="least_curvature" | "langer"):
             return lambda: _directions().from_curvature(surface, "min")
     return lambda: _directions().smoothest(surface)
 

@@ -12,6 +12,7 @@ from surftex.recipe.model import Recipe
 from surftex.recipe.read import recipe_from_text
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import plane, sphere
+from surftex.surface.surface import Surface
 
 LAYER = '\n[[layer]]\npreset = "calf"\n'
 
@@ -98,8 +99,6 @@ def test_slope_is_the_cosine_to_an_axis():
 
 def test_occlusion_is_nothing_on_a_ball_and_much_inside_one():
     ball = sphere(10.0, subdivisions=3)
-    from surftex.surface.surface import Surface
-
     inside = Surface.from_arrays(ball.vertices, ball.faces[:, ::-1])
     points = points_of(ball, 50)
     assert np.abs(fields('o = { occlusion = "50 mm" }', ball).scalar("o")(points)).max() < 1e-6
@@ -141,3 +140,15 @@ def test_a_recipe_that_remembers_its_lines_can_be_sent_to_another_process():
     again = pickle.loads(pickle.dumps(Recipe.of(recipe, resolution=64)))
     assert again.where("fields", "side") == "r.toml:2: "
     assert again.bake.resolution == 64
+
+
+def test_langer_lines_are_those_that_a_skin_takes_by_itself():
+    from surftex.materials.skin.model import Skin
+    from surftex.materials.skin.placing import tension
+
+    ball = sphere(10.0, subdivisions=3)
+    surface = Surface.from_arrays(ball.vertices * [1, 1, 2], ball.faces)
+    made = fields('lines = { direction = "langer" }', surface)
+    own = tension(Skin(), surface, made).angle_rad
+    turned = np.sin(made.direction("lines").angle_rad - own)
+    np.testing.assert_allclose(turned, 0, atol=1e-6)
