@@ -166,6 +166,7 @@ def _bake(
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
+    from surftex.bake.scales import scale_report
     from surftex.bake.stack import place_stack
     from surftex.bake.unwrapping import Unwrapping
     from surftex.maps.mapset import MapSet
@@ -195,8 +196,10 @@ def _bake(
             moved = equalise_pages(surface, atlas, pages, tick=tick)
     with stages.stage("seams"):
         seam = measured_seams(surface, atlas, pages)
+    with stages.stage("scales"):
+        scales = scale_report(surface, recipe)
     warnings = surface.warnings + unwrapping.notes + atlas.notes
-    report = make_report(surface, recipe, stack, atlas, pages, seam, stages, warnings)
+    report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved
     maps_made = MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)

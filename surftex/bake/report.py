@@ -17,6 +17,7 @@ def make_report(
     atlas: Atlas,
     pages: Pages,
     seam: dict[str, Any],
+    scales: dict[str, Any],
     stages: Stages,
     warnings: tuple[str, ...],
 ) -> dict[str, Any]:
@@ -36,6 +37,8 @@ def make_report(
         The maps.
     seam : dict
         From `measured_seams`.
+    scales : dict
+        From `surftex.bake.scales.scale_report`.
     stages : Stages
         What each stage took.
     warnings : tuple of str
@@ -69,6 +72,7 @@ def make_report(
         "peak_rss_mb": peak_rss_mb(),
         "features": feature_counts(stack.features),
         "seam": seam,
+        "scales": scales,
         "warnings": list(warnings),
         "outputs": {},
     }

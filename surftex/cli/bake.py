@@ -60,6 +60,8 @@ def run(options: Namespace) -> None:
     if not options.quiet:
         for warning in report["warnings"]:
             note(f"warning: {warning}")
+        if report["scales"]["note"]:
+            note(f"note: {report['scales']['note']}")
     if options.json:
         out(json.dumps(report, indent=1, ensure_ascii=False))
     elif not options.quiet:

@@ -21,16 +21,19 @@ def run(options: Namespace) -> None:
         If there is no surface in the file.
     """
     from surftex.bake.cost import bake_cost
+    from surftex.bake.scales import scale_report
     from surftex.files.meshes import load
+    from surftex.recipe.read import recipe_for
     from surftex.surface.inspect import describe
 
     surface = load(options.subject, units=options.units, size=options.size, part=options.part)
     facts = describe(surface).as_dict()
     cost = bake_cost(surface)
+    scales = scale_report(surface, recipe_for("skin"), recipe_for(cost["material"]))
     if options.json:
-        out(json.dumps({**facts, "cost": cost}, indent=1, ensure_ascii=False))
+        out(json.dumps({**facts, "scales": scales, "cost": cost}, indent=1, ensure_ascii=False))
         return
-    out("\n".join(one_line(row) for row in _rows(facts, cost)))
+    out("\n".join(one_line(row) for row in [*_rows(facts, cost), *_scales(scales)]))
 
 
 def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
@@ -59,6 +62,13 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
         rows.append(f"  that is more than --max-features {cost['max_features']:,}: is the unit right?")
     rows += [f"warning: {warning}" for warning in facts["warnings"]]
     return rows
+
+
+def _scales(scales: dict[str, Any]) -> list[str]:
+    mesh = scales["mesh_mm"]
+    told = "none, or not measured" if mesh is None else f"about {mesh:.3g} mm"
+    rows = [f"finest relief of the mesh: {told}"]
+    return [*rows, f"  under skin or leather: {scales['note']}"] if scales["note"] else rows
 
 
 def _page(page: dict[str, Any]) -> str:

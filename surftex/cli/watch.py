@@ -14,6 +14,7 @@ TITLES = {
     "bake": "baking",
     "equalise": "evening out seams",
     "seams": "measuring seams",
+    "scales": "comparing scales",
     "displace": "displacing the mesh",
     "save": "writing files",
     "match": "matching",

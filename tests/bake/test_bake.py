@@ -11,7 +11,7 @@ from surftex.errors import InputError, RecipeError, WorkError
 from surftex.surface.shapes import cylinder, sphere
 from tests.bake.waves import Waves
 
-ORDER = ["load", "place", "unwrap", "bake", "seams"]
+ORDER = ["load", "place", "unwrap", "bake", "seams", "scales"]
 
 
 @pytest.fixture(scope="module")

@@ -203,6 +203,19 @@ class Cells(BaseModel):
 
         return captions("cells")
 
+    def wavelengths_mm(self) -> dict[str, float]:
+        """Tell how large features are.
+
+        Returns
+        -------
+        wavelengths : dict of str to float
+            Of each kind that there is, mm; cells whose size is an expression are left out.
+        """
+        sizes = {} if isinstance(self.cell_size, str) else {"cells": float(self.cell_size)}
+        if self.wrinkle_count or self.wrinkle_density:
+            sizes["wrinkles"] = 2 * self.wrinkle_width
+        return sizes
+
     def place(
         self,
         surface: Surface,

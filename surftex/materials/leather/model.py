@@ -174,6 +174,23 @@ class Leather(BaseModel):
 
         return captions("leather")
 
+    def wavelengths_mm(self) -> dict[str, float]:
+        """Tell how large features are.
+
+        Returns
+        -------
+        wavelengths : dict of str to float
+            Of each kind that there is, mm; cells whose size is an expression are left out.
+        """
+        sizes = {} if isinstance(self.cell_size, str) else {"cells": float(self.cell_size)}
+        if self.wrinkle_count or self.wrinkle_density:
+            sizes["wrinkles"] = 2 * self.wrinkle_width
+        if self.pore_density != 0:
+            sizes["pores"] = 2 * self.pore_width
+        if self.crown_spacing > 0:
+            sizes["crowns"] = 2 * self.crown_width
+        return sizes
+
     def place(
         self,
         surface: Surface,

@@ -260,6 +260,23 @@ class Skin(BaseModel):
 
         return captions("skin")
 
+    def wavelengths_mm(self) -> dict[str, float]:
+        """Tell how large features are.
+
+        Returns
+        -------
+        wavelengths : dict of str to float
+            Of each kind that there is, mm.
+        """
+        sizes = {"furrows": self.relief_spacing} if self.relief_depth > 0 or self.relief_swell > 0 else {}
+        for kind in self.order:
+            if getattr(self, f"{kind}_count") or getattr(self, f"{kind}_density"):
+                radius = self.follicle_radius if kind == "follicle" else getattr(self, f"{kind}_radius")[0]
+                sizes[f"{kind}s" if kind != "goose" else "goose bumps"] = 2 * radius
+        if self.wrinkle_count or self.wrinkle_density or self.wrinkle_curves:
+            sizes["wrinkles"] = 2 * self.wrinkle_width[1]
+        return sizes
+
     def place(
         self,
         surface: Surface,
