@@ -108,6 +108,8 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     presets = command("presets", "List the presets, or print one as a recipe to start from.")
     presets.add_argument("name", nargs="?", metavar="NAME", help="print this preset as TOML")
     presets.add_argument("--json", action="store_true", help="as JSON")
+    _learn(command("learn", "Learn a texture from a picture: a model of some kilobytes.", epilog=_CODES))
+    _synthesize(command("synthesize", "Draw a picture of a texture from its model; it tiles.", epilog=_CODES))
     _analyse(command("analyse", "Spectrum, statistics and a section of a height map, as PNG and JSON."))
     _match(
         command(
@@ -208,6 +210,59 @@ def _inspect(parser: Parser) -> None:
     parser.add_argument("subject", metavar="MESH", help="a mesh file")
     _scale(parser)
     parser.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _learn(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="IMAGE", help="a photograph of the texture: PNG or JPEG")
+    parser.add_argument(
+        "-o", "--out", metavar="MODEL.stex", required=True, help="the model; replaced if there"
+    )
+    parser.add_argument(
+        "--order",
+        choices=["quad", "pair"],
+        help="fours of pixels beside pairs, or pairs alone (default: quad)",
+    )
+    parser.add_argument(
+        "--pairs", type=_whole, metavar="N", help="most pairs of each band (default: 16, or 30 alone)"
+    )
+    parser.add_argument(
+        "--spacings",
+        type=_whole_numbers,
+        metavar="A,B,...",
+        help="between the corners of fours (default: 1,2,4)",
+    )
+    parser.add_argument(
+        "--radius",
+        type=_whole,
+        metavar="PIXELS",
+        help="longest pair; beyond the period of a weave (default: 24)",
+    )
+    parser.add_argument(
+        "--shrink", type=_whole, metavar="N", default=1, help="first make one pixel of N x N (default: 1)"
+    )
+    parser.add_argument("--mask", metavar="IMAGE", help="white where to learn from")
+    parser.add_argument("--height", metavar="IMAGE", help="height aligned with the picture, learnt beside it")
+    parser.add_argument("--roughness", metavar="IMAGE", help="roughness aligned with the picture")
+    _drawing(parser)
+
+
+def _synthesize(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="MODEL.stex", help="from surftex learn")
+    parser.add_argument(
+        "-o", "--out", metavar="IMAGE.png", required=True, help="the picture; replaced if there"
+    )
+    parser.add_argument("--size", type=_side_by_side, metavar="WxH", help="in pixels (default: 512x512)")
+    parser.add_argument("--sweeps", type=_whole, metavar="N", help="how often each pixel is drawn")
+    parser.add_argument("--compare", metavar="IMAGE", help="measure the result against this picture")
+    _drawing(parser)
+
+
+def _drawing(parser: Parser) -> None:
+    parser.add_argument(
+        "--seed", type=_whole, metavar="N", default=0, help="of everything random (default: 0)"
+    )
+    parser.add_argument("--threads", type=_whole, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument("--json", action="store_true", help="print the report on stdout")
 
 
 def _analyse(parser: Parser) -> None:
@@ -312,6 +367,10 @@ def _numbers(count: int) -> Callable[[str], tuple[float, ...]]:
         return numbers
 
     return read
+
+
+def _whole_numbers(text: str) -> tuple[int, ...]:
+    return tuple(_whole(each) for each in text.split(","))
 
 
 def _side_by_side(text: str) -> tuple[int, int]:

@@ -18,6 +18,8 @@ TITLES = {
     "displace": "displacing the mesh",
     "save": "writing files",
     "match": "matching",
+    "learn": "learning the texture",
+    "synthesize": "drawing the texture",
 }
 """What each stage is called on the screen."""
 

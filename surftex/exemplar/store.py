@@ -25,6 +25,9 @@ VERSION = 1
 LARGEST_FILE, LARGEST_CONTENT = 16 * 2**20, 64 * 2**20
 """Bytes of a file, and of what it may unfold to."""
 
+SUFFIXES = (".stex", ".json")
+"""Ends of the names of model files."""
+
 _MAGIC = b"STEX\x01"
 _MOST_CLIQUES = 4096
 _BYTES = {"int8": 1, "uint8": 1}
@@ -52,7 +55,7 @@ def save_model(model: Model, path: str | Path) -> None:
     from surftex.files.output import write_whole
 
     file = Path(path)
-    if file.suffix.lower() not in (".stex", ".json"):
+    if file.suffix.lower() not in SUFFIXES:
         raise InputError(f"{file.name}: a model is written as .stex or .json")
     write_whole(file, packed(model) if file.suffix.lower() == ".stex" else as_json(model).encode())
 

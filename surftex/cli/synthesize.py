@@ -1,0 +1,36 @@
+"""``surftex synthesize``: a picture of a texture, from its model."""
+
+import json
+from argparse import Namespace
+
+from surftex.cli.say import out
+
+
+def run(options: Namespace) -> None:
+    """Draw a texture and name the files.
+
+    Parameters
+    ----------
+    options : Namespace
+        From the command line.
+
+    Raises
+    ------
+    SurftexError
+        If the model or an option is wrong, or a picture cannot be written.
+    """
+    from surftex.bake.texturing import synthesize_file
+    from surftex.cli.watch import Watch
+
+    given = {"size": options.size} if options.size else {}
+    with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
+        report = synthesize_file(
+            options.subject, options.out, seed=options.seed, sweeps=options.sweeps, compare=options.compare,
+            threads=options.threads, tick=lambda share: watch("synthesize", share), **given,
+        )  # fmt: skip
+    if options.json:
+        out(json.dumps(report, indent=1, ensure_ascii=False))
+    elif not options.quiet:
+        out("\n".join(report["files"]))
+        for name, value in report.get("metrics", {}).items():
+            out(f"{name}: {value:.4g}")
