@@ -10,10 +10,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 import surftex as sx
 
 OUT = Path(__file__).resolve().parent.parent / "surftex" / "fields" / "data" / "face.json"
+STEP_CM = 0.35
+"""Between the controls of a line."""
 
 LANDMARKS = {
     "right_eye_outer": 33, "right_eye_inner": 133, "left_eye_inner": 362, "left_eye_outer": 263, "nose_tip": 1,
@@ -24,27 +27,27 @@ LIPS = [61, 185, 40, 39, 37, 0, 267, 269, 270, 409, 291, 375, 321, 405, 314, 17,
 
 # Group: width and depth in mm, whether mirrored, and lines by x and y.
 LINES = {
-    "crows_feet": (0.55, 0.16, True, [
+    "crows_feet": (1.0, 0.16, True, [
         [(4.75, 3.05), (5.35, 3.5), (6.0, 4.05)], [(4.9, 2.75), (5.6, 2.85), (6.35, 3.1)],
         [(4.85, 2.35), (5.5, 2.1), (6.25, 1.85)], [(4.65, 1.95), (5.2, 1.5), (5.85, 1.0)],
     ]),
-    "under_eye": (0.6, 0.12, True, [
+    "under_eye": (1.2, 0.13, True, [
         [(1.75, 1.75), (2.5, 1.15), (3.5, 1.05), (4.4, 1.5)], [(2.0, 1.2), (2.8, 0.65), (3.8, 0.6)],
     ]),
-    "forehead": (0.9, 0.2, False, [
+    "forehead": (1.8, 0.28, False, [
         [(-4.3, 5.3), (-2.4, 5.75), (0.0, 5.55), (2.4, 5.75), (4.3, 5.3)],
         [(-4.0, 6.1), (-2.0, 6.5), (0.0, 6.3), (2.0, 6.5), (4.0, 6.1)],
         [(-3.0, 7.0), (-1.0, 7.2), (1.2, 7.15), (3.2, 6.95)],
     ]),
-    "glabella": (0.7, 0.22, True, [[(0.6, 3.0), (0.75, 3.7), (0.65, 4.5)]]),
-    "smile": (1.1, 0.4, True, [[(1.75, -0.75), (2.5, -1.8), (3.0, -3.1), (3.35, -4.3)]]),
-    "mouth_corner": (0.8, 0.25, True, [[(2.75, -4.55), (3.0, -5.3), (3.0, -6.3)]]),
-    "lips": (0.35, 0.08, True, [
+    "glabella": (1.3, 0.25, True, [[(0.6, 3.0), (0.75, 3.7), (0.65, 4.5)]]),
+    "smile": (2.8, 0.6, True, [[(1.75, -0.75), (2.5, -1.8), (3.0, -3.1), (3.35, -4.3)]]),
+    "mouth_corner": (1.7, 0.25, True, [[(2.75, -4.55), (3.0, -5.3), (3.0, -6.3)]]),
+    "lips": (0.6, 0.08, True, [
         [(0.35, -3.35), (0.4, -2.9), (0.42, -2.55)], [(0.95, -3.4), (1.05, -2.95), (1.1, -2.6)],
         [(1.5, -3.65), (1.7, -3.2), (1.8, -2.85)], [(0.8, -5.0), (0.9, -5.4), (0.9, -5.7)],
         [(1.5, -4.9), (1.7, -5.3), (1.8, -5.6)],
     ]),
-    "chin": (1.0, 0.25, False, [[(-1.6, -6.05), (-0.7, -5.75), (0.7, -5.75), (1.6, -6.05)]]),
+    "chin": (2.4, 0.35, False, [[(-1.6, -6.05), (-0.7, -5.75), (0.7, -5.75), (1.6, -6.05)]]),
 }  # fmt: skip
 
 # Ellipses: middle and half axes by x and y, softness; mirrored where the middle is not at 0.
@@ -61,6 +64,28 @@ MASKS = {
     "jaw": ((4.6, -5.6), (2.4, 2.8), 0.5),
     "temples": ((6.4, 4.2), (1.3, 2.2), 0.5),
 }  # fmt: skip
+
+
+def lived(line, random):
+    """A line as skin wears it: it wanders a little, and finer and shorter ones run beside it. -> points and scales."""
+    knot = np.r_[0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    smooth, length = CubicSpline(knot, line), knot[-1]
+
+    def strand(begin, end, aside, wander):
+        at = np.linspace(begin, end, max(3, round((end - begin) / STEP_CM) + 1))
+        ahead = smooth(at, 1)
+        left = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.linalg.norm(ahead, axis=1)[:, None]
+        away = aside * np.interp(at, [begin, (begin + end) / 2, end], [0.4, 1, 0.7])
+        return smooth(at) + left * (away + wander * random.standard_normal(len(at)))[:, None]
+
+    strands = [(strand(0, length, 0, min(0.012 * length, 0.03)), 1.0)]
+    for side in (-1, 1):
+        if length > 1.5 and random.random() < 0.75:
+            begin = length * random.uniform(0.05, 0.45)
+            end = begin + length * random.uniform(0.3, 0.5)
+            aside = side * random.uniform(0.13, 0.24)
+            strands.append((strand(begin, min(end, length), aside, 0.02), random.uniform(0.35, 0.55)))
+    return strands
 
 
 def main():
@@ -82,16 +107,17 @@ def main():
                 return [round(float(number), 3) for number in (x, y, z)]
         raise SystemExit(f"({x}, {y}) lies far beside the face")
 
-    def mirrored(points):
-        return [[-x, y, z] for x, y, z in points]
-
     lines = {}
     for name, (width, depth, both, drawn) in LINES.items():
-        made = [[place(*point) for point in line] for line in drawn]
+        random = np.random.default_rng(sum(map(ord, name)))
+        mains = [np.array(line) for line in drawn]
+        mains += [line * [-1, 1] for line in mains if both]
+        strands = [strand for line in mains for strand in lived(line, random)]
         lines[name] = {
             "width_mm": width,
             "depth_mm": depth,
-            "curves": made + [mirrored(line) for line in made if both],
+            "scales": [round(scale, 2) for _, scale in strands],
+            "curves": [[place(*point) for point in line] for line, _ in strands],
         }
     masks = {"lips": {"outline": np.round(vertex[LIPS][:, :2], 3).tolist(), "soft": 0.14}}
     for name, (middle, half, soft) in MASKS.items():

@@ -134,7 +134,9 @@ def skin_face():
     at = eyes(maps.surface)
     views = [((0.0, 4.0), 2.0), ((45.0, 4.0), 2.0)]
     pictures = [
-        render(maps, size=(620, 700), view=view, zoom=zoom, target=at + np.array([0, 0, -40]))
+        render(
+            maps, size=(620, 700), view=view, zoom=zoom, target=at + np.array([0, 0, -40]), light="portrait"
+        )
         for view, zoom in views
     ]
     save(np.concatenate(pictures, axis=1), "skin-face")
@@ -145,7 +147,14 @@ def skin_chin():
     maps = scan()
     at = eyes(maps.surface)
     save(
-        render(maps, size=(900, 700), view=(25.0, 0.0), zoom=9.0, target=at + np.array([12, -48, -15])),
+        render(
+            maps,
+            size=(900, 700),
+            view=(25.0, 0.0),
+            zoom=9.0,
+            target=at + np.array([12, -48, -15]),
+            light="portrait",
+        ),
         "skin-chin",
     )
 
@@ -155,7 +164,7 @@ def skin_heads():
     pictures = []
     for name, view in (("bust_demosthenes", (10.0, 2.0)), ("face_ict_neutral", (30.0, 4.0))):
         maps = baked(name)
-        pictures.append(render(maps, size=(620, 640), view=view, zoom=1.6))
+        pictures.append(render(maps, size=(620, 640), view=view, zoom=1.6, light="portrait"))
     save(np.concatenate(pictures, axis=1), "skin-heads")
 
 

@@ -329,7 +329,7 @@ def _render(parser: Parser) -> None:
     parser.add_argument(
         "--view", metavar="NAME|AZIMUTH,ELEVATION", help="such as front, top (default: three-quarter)"
     )
-    parser.add_argument("--light", choices=["studio", "raking"], help="(default: studio)")
+    parser.add_argument("--light", choices=["studio", "portrait", "raking"], help="(default: studio)")
     parser.add_argument("--zoom", type=_number, metavar="X", help="1 shows everything, 10 a tenth of it")
     parser.add_argument(
         "--target", type=_numbers(3), metavar="X,Y,Z", help="place in mm to have in the middle"

@@ -139,11 +139,11 @@ def face_lines(
     controls, curve, wide, deep = [], [], [], []
     for name in names:
         group = _known(name, face_atlas()["lines"], "line")
-        for line in group["curves"]:
+        for line, scale in zip(group["curves"], group["scales"], strict=True):
             controls.append(np.asarray(line, np.float64))
             curve.append(np.full(len(line), len(wide)))
-            wide.append(group["width_mm"] * width)
-            deep.append(group["depth_mm"] * depth)
+            wide.append(group["width_mm"] * width * scale)
+            deep.append(group["depth_mm"] * depth * scale)
     place = warp(np.concatenate(controls))
     points, distance = _on_skin(surface, picks, place)
     if (distance > _FARTHEST_CM * warp.scale).any():

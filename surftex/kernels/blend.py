@@ -101,13 +101,14 @@ def blend_points(
 @kernel
 def blend_curves(
     begin, end, face, barycentric, flat, first, cells, grid, start, entry_row, row, row_id, source_of, limit,
-    along_of, tangent, footprint, curve, table, crease, lift, spread, depth, raised,
+    along_of, tangent, footprint, curve, table, crease, lift, fade, spread, depth, raised,
 ):  # fmt: skip
     """Let every curve that reaches samples [begin, end) crease them; where several do, the result is smooth.
 
     source_of (p,) int32, limit (p,), along_of (p,), tangent (p, 2): of each primitive. curve (c, 5) float64: length, greatest
     half width, depth, height of the fold and its side, 1 or -1. table (t, p) float32: rows `crease` and `lift` are profiles
-    of the groove and of the fold, the latter three times as wide. spread: squared width that a squared footprint adds.
+    of the groove and of the fold, the latter three times as wide. fade: power of the taper by which the depth shrinks with the
+    width. spread: squared width that a squared footprint adds.
     -> depth (n,), raised (n,) float32: root of the sum of fourth powers over the curves.
     """
     for i in range(begin, end):
@@ -137,14 +138,16 @@ def blend_curves(
             width = 2.0 * curve[who, 1] * max(min(t, 1.0 - t), 0.0)
             if width <= 0.0:
                 continue
+            taper = width / curve[who, 1]
+            deep = taper**fade
             dull = math.sqrt(width * width + wide)
             if best < dull:
-                value = curve[who, 2] * width / dull * np.float64(_read(table, crease, best / dull))
+                value = curve[who, 2] * deep * width / dull * np.float64(_read(table, crease, best / dull))
                 down += value * value * value * value
             dull = math.sqrt(9.0 * width * width + wide)
             if left == (curve[who, 4] > 0) and best < dull and curve[who, 3] > 0:
                 share = 3.0 * width / dull * np.float64(_read(table, lift, best / dull))
-                value = curve[who, 3] * share * min(width / curve[who, 1], 1.0)
+                value = curve[who, 3] * share * deep * taper
                 up += value * value * value * value
         depth[i] = math.sqrt(math.sqrt(down))
         raised[i] = math.sqrt(math.sqrt(up))

@@ -49,7 +49,7 @@ def render(
     view : str or (2,) float
         Name such as "front", "left", "top" or "three-quarter", or azimuth and elevation in degrees.
     light : str or Studio
-        "studio" flatters; "raking" grazes from the left and shows relief.
+        "studio" flatters products, "portrait" faces; "raking" grazes from the left and shows relief.
     zoom : float
         1 shows everything, 10 a tenth of it.
     target : (3,) float, optional

@@ -72,6 +72,16 @@ STUDIOS = {
         above=0.24,
         below=0.10,
     ),
+    "portrait": Studio(
+        (
+            SoftBox((-0.55, 0.55, 0.80), (0.45, 0.45), 1.05, (1.0, 0.97, 0.93), 5),
+            SoftBox((0.9, 0.15, 0.55), (0.3, 0.8), 0.38, (0.97, 0.98, 1.0), 4),
+            SoftBox((0.40, 0.60, -0.9), (0.25, 0.7), 0.6, (1.0, 1.0, 1.0), 3),
+        ),
+        above=0.3,
+        below=0.16,
+        exposure=1.25,
+    ),
     "raking": Studio(
         (
             SoftBox((-1.0, 0.34, 0.26), (0.12, 0.18), 1.9, (1.0, 0.98, 0.95), 4),
@@ -82,7 +92,7 @@ STUDIOS = {
         grazes=True,
     ),
 }
-"""Lights by name: ``studio`` flatters, ``raking`` grazes what is seen and shows its relief."""
+"""Lights by name: ``studio`` flatters products, ``portrait`` faces; ``raking`` grazes what is seen and shows its relief."""
 
 
 def studio_named(light: "str | Studio") -> Studio:

@@ -33,6 +33,8 @@ class CurveKind:
         Length, half width, depth, height of the fold and its side of each curve.
     table : (2, p) float32
         Profiles of groove and fold.
+    fade : float
+        Power of the taper by which the depth shrinks with the width.
     spread : float
         Squared width that a squared footprint adds.
     """
@@ -41,11 +43,18 @@ class CurveKind:
     reaching: Reaching
     curve: NDArray[np.float64]
     table: NDArray[np.float32]
+    fade: float
     spread: float
 
     @staticmethod
     def build(
-        surface: Surface, features: NDArray, profile: Profile, fold: float, threads: int | None
+        surface: Surface,
+        features: NDArray,
+        profile: Profile,
+        threads: int | None,
+        *,
+        fold: float = 0.0,
+        fade: float = 0.0,
     ) -> "CurveKind":
         """Flood from curves that are placed.
 
@@ -57,10 +66,12 @@ class CurveKind:
             See `surftex.materials.skin.lines.LINE`; p > 0.
         profile : Profile
             Of the groove, from its floor to its rim.
-        fold : float
-            Height of the fold, as a share of the depth.
         threads : int, optional
             None means every core.
+        fold : float
+            Height of the fold, as a share of the depth.
+        fade : float
+            Power of the taper by which the depth shrinks with the width.
 
         Returns
         -------
@@ -81,7 +92,7 @@ class CurveKind:
         width = np.maximum(curve[:, 1], 1e-9)
         reach = np.sqrt(((_FOLD if fold > 0 else 1.0) * width) ** 2 + spread * width**2)
         records = flood_curves(surface, curve_pieces(surface, features), reach, threads=threads)
-        return CurveKind(records, Reaching.of(records), frozen(curve), frozen(table), spread)
+        return CurveKind(records, Reaching.of(records), frozen(curve), frozen(table), fade, spread)
 
     def at(self, samples: Samples) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Measure what the curves do to samples.
@@ -105,6 +116,6 @@ class CurveKind:
         blend_curves(
             0, len(samples), *self.reaching.place(samples.points), records.source_of, records.limit_mm,
             records.along_mm, records.tangent, read_only_view(samples.footprint_mm, np.float32), self.curve,
-            self.table, 0, 1, self.spread, depth, raised,
+            self.table, 0, 1, self.fade, self.spread, depth, raised,
         )  # fmt: skip
         return depth, raised

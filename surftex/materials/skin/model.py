@@ -193,6 +193,9 @@ class Skin(BaseModel):
     )
     wrinkle_depth: LengthRange = _field((0.05, 0.2), "wrinkle", "Depth of a wrinkle.")
     wrinkle_fold: Share = _field(0.25, "wrinkle", "Rise of its one side, as a share of the depth.")
+    wrinkle_fade: float = _field(
+        1.0, "wrinkle", "How its depth follows its width to its ends: 0 stays, 1 in proportion.", ge=0, le=4
+    )
     wrinkle_profile: Profile = _field("crease", "wrinkle", "Shape of a wrinkle, from its floor to its rim.")
 
     relief_spacing: PositiveLength = _field(0.85, "relief", "Between primary furrows.")

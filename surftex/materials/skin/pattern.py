@@ -102,10 +102,10 @@ class SkinPattern:
             if len(features.get(kind, ()))
         )  # fmt: skip
         curves = {
-            kind: CurveKind.build(surface, features[kind], profile, fold, threads)
-            for kind, profile, fold in (
-                ("wrinkle", skin.wrinkle_profile, skin.wrinkle_fold),
-                ("vessel", "dome", 0.0),
+            kind: CurveKind.build(surface, features[kind], profile, threads, fold=fold, fade=fade)
+            for kind, profile, fold, fade in (
+                ("wrinkle", skin.wrinkle_profile, skin.wrinkle_fold, skin.wrinkle_fade),
+                ("vessel", "dome", 0.0, 0.0),
             )
             if len(features.get(kind, ()))
         }
