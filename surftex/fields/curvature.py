@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
 from surftex.fields.sources import SpannedField, corner_field
+from surftex.geodesics.factors import one_blas_thread
 from surftex.surface.surface import Surface
 
 
@@ -74,4 +75,5 @@ def mean_curvature(surface: Surface, radius_mm: float) -> NDArray[np.float64]:
     bend[surface.on_border] = 0.0
     diffusion = (diags_array(area) + 0.5 * radius_mm**2 * stiffness).tocsr()
     inverse = diags_array(1 / diffusion.diagonal())
-    return cg(diffusion, bend, rtol=1e-6, atol=0.0, maxiter=2000, M=inverse)[0]
+    with one_blas_thread():
+        return cg(diffusion, bend, rtol=1e-6, atol=0.0, maxiter=2000, M=inverse)[0]

@@ -19,6 +19,12 @@ from surftex.surface.surface import Surface
 _LEAST_WEIGHT, _MOST_WEIGHT = 1e-2, 1e2
 """Bounds of an edge's weight: 0.58 between equilateral triangles, negative or huge between slivers."""
 
+_KRYLOV = 20
+"""Fields kept beside one another while the smoothest is sought."""
+
+_SETTLED = 1e-6
+"""Share of itself by which one more step would change the smoothest field."""
+
 
 @dataclass(frozen=True, eq=False)
 class Connection:
@@ -217,33 +223,77 @@ class Connection:
         return Factors(self.laplacian + diags_array(pull + floor), self.surface.vertices).solve(pull * value)
 
     def lowest(self, start: NDArray[np.complex128], *, most: int = 60) -> NDArray[np.complex128]:
-        """Smoothest field on each component, by inverse iteration.
+        """Smoothest field on each component, by inverse iteration in Krylov spaces (Lanczos [1]_).
 
         Parameters
         ----------
         start : (n,) complex128
             Where several fields are equally smooth, the nearest to this one is found.
         most : int
-            Iterations at most.
+            Solves at most.
 
         Returns
         -------
         value : (n,) complex128
             Of unit mean square on each component.
+
+        References
+        ----------
+        .. [1] Lanczos. An Iteration Method for the Solution of the Eigenvalue Problem. J. Res. NBS 45 (1950).
         """
         mass = np.where(self.mass > 0, self.mass, 1.0)
-        area = np.bincount(self.component, mass)[self.component]
-        solver = Factors(self.laplacian + diags_array(1e-6 * mass / area), self.surface.vertices)
-        value = self._scaled(start, mass)
-        for _ in range(most):
-            onward = self._scaled(solver.solve(mass * value), mass)
-            moved = np.abs(onward - value).max()
-            value = onward
-            if moved < 1e-5:
-                break
+        area = np.bincount(self.component, mass)
+        solver = Factors(
+            self.laplacian + diags_array(1e-6 * mass / area[self.component]), self.surface.vertices
+        )
+        share = mass / area[self.component]
+        value, moving = self._scaled(start, share), True
+        while moving and most > 0:
+            value, moving = self._ritz(solver, mass, share, value, min(most, _KRYLOV))
+            most -= _KRYLOV
         return value
 
-    def _scaled(self, value: NDArray[np.complex128], mass: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Scale to a unit mean square on each component."""
-        square = np.bincount(self.component, mass * np.abs(value) ** 2) / np.bincount(self.component, mass)
+    def _ritz(
+        self, solver: Factors, mass: NDArray[np.float64], share: NDArray[np.float64],
+        start: NDArray[np.complex128], steps: int,
+    ) -> tuple[NDArray[np.complex128], bool]:  # fmt: skip
+        """Field of the Krylov space of `start` that changes least, and whether more steps would better it.
+
+        Components do not mix: each has its own space, which no longer grows once its field stands.
+        """
+        count = len(np.bincount(self.component))
+        basis, before = [start], np.zeros(count)
+        band = np.zeros((count, steps, steps))
+        moving, lead = np.ones(count, bool), np.ones((count, 1))
+        for step in range(steps):
+            here = basis[-1]
+            onward = solver.solve(mass * here)
+            level = self._sums(share * (here.conj() * onward).real)
+            onward -= level[self.component] * here
+            if step:
+                onward -= before[self.component] * basis[-2]
+            band[:, step, step] = level
+            numbers, vectors = np.linalg.eigh(band[:, : step + 1, : step + 1])
+            lead = np.where(vectors[:, :1, -1] < 0, -1.0, 1.0) * vectors[:, :, -1]
+            before = np.sqrt(self._sums(share * np.abs(onward) ** 2))
+            moving &= before * np.abs(lead[:, -1]) > _SETTLED * numbers[:, -1]
+            if step + 1 == steps or not moving.any():
+                break
+            before = np.where(moving, before, 0.0)
+            band[:, step, step + 1] = band[:, step + 1, step] = before
+            basis.append(
+                onward * np.where(moving, 1 / np.where(before > 0, before, 1.0), 0.0)[self.component]
+            )
+        value = np.zeros_like(start)
+        for column, vector in zip(lead.T, basis, strict=True):
+            value += column[self.component] * vector
+        return self._scaled(value, share), bool(moving.any())
+
+    def _sums(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Sum over the vertices of each component."""
+        return np.bincount(self.component, value).astype(np.float64, copy=False)
+
+    def _scaled(self, value: NDArray[np.complex128], share: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Scale to a unit mean square on each component; `share` of each vertex in its area."""
+        square = self._sums(share * np.abs(value) ** 2)
         return value / np.sqrt(np.maximum(square, np.finfo(float).tiny))[self.component]

@@ -67,6 +67,25 @@ def test_the_smoothest_field_has_the_lowest_energy_of_all():
     assert reached == pytest.approx(least, rel=1e-3)
 
 
+def test_each_component_has_its_own_lowest_mode():
+    first, second = bumpy(2), torus(columns=18, rows=9)
+    apart = first.vertices + np.array([200.0, 0, 0])
+    both = Surface.from_arrays(
+        np.vstack([second.vertices, apart]), np.vstack([second.faces, first.faces + len(second.vertices)])
+    )
+    connection = Connection(both, 2)
+    start = np.exp(1j * np.arange(len(both.vertices)))
+    value = connection.lowest(start)
+    matrix, mass = connection.laplacian.toarray(), connection.mass
+    scaled = matrix / np.sqrt(mass[:, None] * mass[None, :])
+    for piece in (0, 1):
+        member = connection.component == piece
+        modes = np.linalg.eigh(scaled[np.ix_(member, member)])[1]
+        lowest = modes[:, 0] * (modes[:, 0].conj() @ (np.sqrt(mass) * start)[member])
+        lowest /= np.sqrt(mass[member]) * np.linalg.norm(lowest) / np.sqrt(mass[member].sum())
+        np.testing.assert_allclose(value[member], lowest, atol=2e-4)  # nearest to the start, to its phase
+
+
 def test_an_axis_is_followed_exactly_where_it_lies_in_the_surface():
     tube = cylinder(20.0, 60.0)
     every = np.arange(len(tube.faces))
