@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from surftex.geodesics.distance import geodesic_distance
     from surftex.maps.mapset import MapSet
     from surftex.materials.cells.model import Cells
+    from surftex.materials.composite.model import Composite
     from surftex.materials.leather.model import Leather
     from surftex.materials.skin.model import Skin
     from surftex.recipe.model import Recipe
@@ -36,6 +37,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "Cells": "surftex.materials.cells.model",
+    "Composite": "surftex.materials.composite.model",
     "InputError": "surftex.errors",
     "Leather": "surftex.materials.leather.model",
     "MapSet": "surftex.maps.mapset",
@@ -66,6 +68,7 @@ _ROOMS = ("optics", "shapes")
 
 __all__ = [
     "Cells",
+    "Composite",
     "InputError",
     "Leather",
     "MapSet",

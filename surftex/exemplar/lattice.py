@@ -37,8 +37,8 @@ class Lattice(Protocol):
         """(n,) places that hold levels to be counted."""
         ...
 
-    def reach(self, offset: NDArray[np.integer]) -> NDArray[np.int32]:
-        """Places that offsets (e, 2), right and down, lead to: (1 or places, e)."""
+    def reach(self, offset: NDArray[np.integer]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Places that offsets lead to, (1 or places, any), and the column (e,) of each offset (e, 2)."""
         ...
 
     def classes(self, offset: NDArray[np.integer], live: NDArray[np.bool_] | None) -> list[NDArray[np.int32]]:
@@ -145,7 +145,7 @@ class Plane:
         """
         return level[:, self.site].reshape(len(level), self.height, self.width)
 
-    def reach(self, offset: NDArray[np.integer]) -> NDArray[np.int32]:
+    def reach(self, offset: NDArray[np.integer]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Turn offsets into steps.
 
         Parameters
@@ -157,11 +157,12 @@ class Plane:
         -------
         reach : (1, e) int32
             Steps along the array of levels.
+        column : (e,) int32
+            Of each offset in `reach`.
         """
         offset = np.asarray(offset, np.int64).reshape(-1, 2)
-        return np.ascontiguousarray(
-            (offset[:, 1] * (self.width + 2 * self.margin) + offset[:, 0])[None], np.int32
-        )
+        steps = (offset[:, 1] * (self.width + 2 * self.margin) + offset[:, 0])[None]
+        return np.ascontiguousarray(steps, np.int32), np.arange(len(offset), dtype=np.int32)
 
     def classes(
         self, offset: NDArray[np.integer], live: NDArray[np.bool_] | None = None
@@ -226,25 +227,24 @@ class Table:
         """(n,) all sites."""
         return np.arange(self.places - 1, dtype=np.int32)
 
-    def reach(self, offset: NDArray[np.integer]) -> NDArray[np.int32]:
+    def reach(self, offset: NDArray[np.integer]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Look offsets up.
 
         Parameters
         ----------
         offset : (e, 2) int
-            Those of the table, in its order, for no copy to be made; else any of them.
+            Any of the table's.
 
         Returns
         -------
-        reach : (n + 1, e) int32
-            Columns of the table.
+        reach : (n + 1, all) int32
+            The table itself.
+        column : (e,) int32
+            Of each offset in it.
         """
-        wanted = [tuple(map(int, each)) for each in np.asarray(offset).reshape(-1, 2)]
         known = {tuple(map(int, each)): at for at, each in enumerate(self.offset)}
-        column = [known[each] for each in wanted]
-        if column == list(range(len(self.offset))):
-            return self.table
-        return np.ascontiguousarray(self.table[:, column])
+        wanted = [tuple(map(int, each)) for each in np.asarray(offset).reshape(-1, 2)]
+        return self.table, np.array([known[each] for each in wanted], np.int32)
 
     def classes(
         self, offset: NDArray[np.integer], live: NDArray[np.bool_] | None = None

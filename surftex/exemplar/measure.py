@@ -57,8 +57,8 @@ def pair_shares(
     parts = [np.zeros((groups + 1, 0, 64), np.int64)]
     for first in range(0, len(pair_type), _TYPES):
         some = np.asarray(pair_type[first : first + _TYPES], np.int32)
-        kind = np.ascontiguousarray(np.column_stack([some[:, :2], np.arange(len(some))]), np.int32)
-        reach = lattice.reach(some[:, 2:])
+        reach, column = lattice.reach(some[:, 2:])
+        kind = np.ascontiguousarray(np.column_stack([some[:, :2], column]), np.int32)
 
         def counted(begin: int, end: int, kind: Any = kind, reach: Any = reach) -> NDArray[np.int64]:
             count = np.zeros((groups + 1, len(kind), 64), np.int64)
@@ -114,8 +114,8 @@ def quad_shares(
     site = lattice.site if site is None else site
     group = np.zeros(lattice.places, np.uint8) if group is None else group
     offset, corner = np.unique(shape.reshape(-1, 2), axis=0, return_inverse=True)
-    corner = np.ascontiguousarray(corner.reshape(-1, 4), np.int32)
-    reach = lattice.reach(offset)
+    reach, column = lattice.reach(offset)
+    corner = np.ascontiguousarray(column[corner.reshape(-1, 4)], np.int32)
 
     def counted(begin: int, end: int) -> NDArray[np.int64]:
         count = np.zeros((groups, len(band), 256), np.int64)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError
 from surftex.exemplar.bands import Bands
-from surftex.exemplar.lattice import Lattice, Plane
+from surftex.exemplar.lattice import MISSING, Lattice, Plane
 from surftex.exemplar.relaxation import Relaxation
 from surftex.exemplar.smoothing import within_levels
 from surftex.exemplar.target import Target
@@ -127,10 +127,11 @@ class TextureModel:
             As for `synthesize`.
         """
         plane = checked_plane(width, height, self.target.radius)
-        number = self.drawn(plane, seed, sweeps=sweeps, threads=threads, tick=tick)
+        level = self.levels_on(plane, seed, sweeps=sweeps, threads=threads, tick=tick)
+        number = within_levels(plane, level, stream(seed, "exemplar", "within"))
         return self.bands.maps_of(number.reshape(-1, height, width))
 
-    def drawn(
+    def levels_on(
         self,
         lattice: Lattice,
         seed: int,
@@ -138,13 +139,13 @@ class TextureModel:
         sweeps: int | None = None,
         threads: int | None = None,
         tick: Tick | None = None,
-    ) -> NDArray[np.float32]:
+    ) -> NDArray[np.uint8]:
         """Draw the texture on any lattice.
 
         Parameters
         ----------
         lattice : Lattice
-            Knows the offsets of the target and the four next neighbours.
+            Knows the offsets of `surftex.exemplar.relaxation.asked_offsets`.
         seed : int
             As for `synthesize`.
         sweeps : int, optional
@@ -156,16 +157,16 @@ class TextureModel:
 
         Returns
         -------
-        number : (c, n) float32
-            Levels and how far into them, as `Bands.numbers_of` takes them, at the sites.
+        level : (c, places) uint8
+            What each place of the lattice shows; `surftex.exemplar.smoothing` finds numbers within levels.
         """
-        level = np.full((self.target.bands, lattice.places), 255, np.uint8)
+        level = np.full((self.target.bands, lattice.places), MISSING, np.uint8)
         site = lattice.site
         level[:, site] = random_levels(self.target.single[0], len(site), stream(seed, "exemplar", "start"))
         lattice.repeat(level)
         drawn = Relaxation(self.target, lattice, level, stream(seed, "exemplar", "sweeps"), threads=threads)
         drawn.run(self.sweeps if sweeps is None else sweeps, tick=tick)
-        return within_levels(lattice, level, stream(seed, "exemplar", "within"))
+        return level
 
     def save(self, path: str | Path) -> None:
         """Write the model.

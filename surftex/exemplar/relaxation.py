@@ -4,13 +4,14 @@ Learning and synthesis are this one loop. Potentials are never frozen for free s
 equilibrium, and a picture drawn on by frozen ones drifts away from its statistics.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surftex.exemplar.lattice import Lattice
 from surftex.exemplar.measure import distance, measured
+from surftex.exemplar.smoothing import NEXT
 from surftex.exemplar.target import Target
 from surftex.kernels.pool import Tick, slices
 from surftex.randomness import Stream
@@ -81,9 +82,12 @@ class Relaxation:
         self.pair = np.pad(self.pair, ((0, 0), (0, more), (0, 0)))
         more = len(target.quad_band) - self.quad.shape[1]
         self.quad = np.pad(self.quad, ((0, 0), (0, more), (0, 0)))
-        self.plan = _Plan.of(target)
-        self.reach = self.lattice.reach(self.plan.offset)
-        self.classes = self.lattice.classes(self.plan.offset, self.live)
+        plan = _Plan.of(target)
+        self.reach, column = self.lattice.reach(plan.offset)
+        self.classes = self.lattice.classes(plan.offset, self.live)
+        pair = plan.pair.copy()
+        pair[:, 1] = column[pair[:, 1]]
+        self.plan = replace(plan, pair=pair, near=column[plan.near])
 
     def sweep(self) -> None:
         """Draw every live site once, band by band."""
@@ -210,6 +214,22 @@ class Relaxation:
         levels[..., : target.levels] = np.rint(scale * single)
         exponential = np.exp(-np.arange(4096) / scale).astype(np.float32)
         return np.rint(scale * rows).astype(np.int16).ravel(), levels, packed, exponential
+
+
+def asked_offsets(target: Target) -> NDArray[np.int32]:
+    """List every offset that drawing, measuring and evening out ask a lattice for.
+
+    Parameters
+    ----------
+    target : Target
+        What is to be drawn.
+
+    Returns
+    -------
+    offset : (e, 2) int32
+        Right and down, each once.
+    """
+    return np.unique(np.concatenate([_Plan.of(target).offset, NEXT, np.zeros((1, 2), np.int32)]), axis=0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from surftex.exemplar.lattice import MISSING, Lattice
 from surftex.randomness import Stream
 
-_NEXT = np.array([(1, 0), (-1, 0), (0, 1), (0, -1)], np.int32)
+NEXT = np.array([(1, 0), (-1, 0), (0, 1), (0, -1)], np.int32)
+"""Steps to the four neighbours, right and down."""
 
 _EDGE = 0.1
 """Numbers keep this far from a level's ends, so that rounding to 8 bits cannot move them into the next level."""
@@ -40,8 +41,8 @@ def within_levels(
     part = np.zeros((1, lattice.places), np.float32)
     part[0, site] = random.uniform(len(site))[:, 0]
     lattice.repeat(part)
-    around = lattice.reach(_NEXT)
-    around = around[site] if lattice.follow else site[:, None] + around
+    reach, column = lattice.reach(NEXT)
+    around = reach[site][:, column] if lattice.follow else site[:, None] + reach[:, column]
     alike = np.ones(around.shape, bool) if group is None else group[around] == group[site][:, None]
     numbers = np.zeros((len(level), len(site)), np.float32)
     for band, levels in enumerate(level):

@@ -2,6 +2,7 @@
 
 import importlib
 import types
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 from pydantic import (
@@ -26,6 +27,7 @@ MATERIALS: "Mapping[str, tuple[str, str]]" = {
     "leather": ("surftex.materials.leather.model", "Leather"),
     "cells": ("surftex.materials.cells.model", "Cells"),
     "skin": ("surftex.materials.skin.model", "Skin"),
+    "composite": ("surftex.materials.composite.model", "Composite"),
 }
 """Name of each material, and where its class is."""
 
@@ -149,6 +151,12 @@ class Layer(BaseModel):
     def kind(self) -> str:
         """Name of the material."""
         return str(getattr(self.material, "kind", type(self.material).__name__.lower()))
+
+    @property
+    def named_files(self) -> tuple[str, ...]:
+        """Keys of the material that name files; a value without a suffix is the name of something on the shelf."""
+        keys = getattr(self.material, "files", ())
+        return tuple(key for key in keys if PurePath(str(getattr(self.material, key) or "")).suffix)
 
     def table(self) -> dict[str, Any]:
         """Write the layer out as a flat table with every default.

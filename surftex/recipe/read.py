@@ -201,11 +201,17 @@ def _with_paths(recipe: Recipe, folder: Path, where: Any, *, allow_outside: bool
         for key in named_files(entry):
             place = inside(getattr(entry, key), ("fields", name, key))
             fields[name] = fields[name].model_copy(update={key: place})  # type: ignore[union-attr]
-    return recipe.model_copy(update={"mesh": mesh, "fields_": fields})
+    layers = list(recipe.layer)
+    for i, layer in enumerate(layers):
+        for key in layer.named_files:
+            place = inside(getattr(layer.material, key), ("layer", i, key))
+            material = layers[i].material.model_copy(update={key: place})
+            layers[i] = layers[i].model_copy(update={"material": material})
+    return recipe.model_copy(update={"mesh": mesh, "fields_": fields, "layer": tuple(layers)})
 
 
 def recipe_files(recipe: Recipe) -> list[Path]:
-    """List the files that a recipe's fields name.
+    """List the files that a recipe's fields and layers name.
 
     Parameters
     ----------
@@ -215,9 +221,11 @@ def recipe_files(recipe: Recipe) -> list[Path]:
     Returns
     -------
     paths : list of Path
-        In the order of the fields; the mesh is not among them.
+        In the order of the fields, then of the layers; the mesh is not among them.
     """
     found: dict[Path, None] = {}
     for entry in recipe.fields_.values():
         found.update((Path(getattr(entry, key)), None) for key in named_files(entry))
+    for layer in recipe.layer:
+        found.update((Path(getattr(layer.material, key)), None) for key in layer.named_files)
     return list(found)

@@ -131,7 +131,7 @@ def test_only_the_first_of_several_mistakes_is_told():
 def test_a_recipe_without_layers_is_refused():
     assert "needs at least one [[layer]]" in refused("surftex = 1\n")
     assert "needs at least one [[layer]]" in refused("layer = []\n")
-    assert "layer: a layer needs a material (leather, cells, skin) or a preset" in refused(
+    assert "layer: a layer needs a material (leather, cells, skin, composite) or a preset" in refused(
         "[[layer]]\nmask = 0.5\n"
     ).replace(".material", "")
 

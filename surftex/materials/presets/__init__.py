@@ -38,6 +38,25 @@ def captions(kind: str) -> dict[str, str]:
     return {name: values["caption"] for name, values in _shelf(kind).items()}
 
 
+def shelved(kind: str, suffix: str) -> list[str]:
+    """List the files beside the presets of a material.
+
+    Parameters
+    ----------
+    kind : str
+        The material.
+    suffix : str
+        End of their names.
+
+    Returns
+    -------
+    names : list of str
+        Without the suffix, in order.
+    """
+    here = files(__name__).joinpath(kind).iterdir()
+    return sorted(file.name.removesuffix(suffix) for file in here if file.name.endswith(suffix))
+
+
 def parameters(kind: str, name: str) -> dict[str, Any]:
     """Read what a preset sets.
 

@@ -1,0 +1,1 @@
+"""Composite: a texture learnt from a photograph, drawn on the surface itself."""
