@@ -18,14 +18,11 @@ from surftex.geodesics.pieces import CurvePieces, barycentric_of
 from surftex.geodesics.records import Records
 from surftex.geodesics.tracing import trace
 from surftex.geodesics.windows import nearest
+from surftex.materials.leather.crossing import Crossing, Piece
 from surftex.randomness import Stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
-_STEPS = 48
-"""Places along a cut at which the region is asked; the crossing is then narrowed twice by the same number."""
-
-Piece = tuple[int, NDArray[np.float64], NDArray[np.float64]]
 Option = tuple[int, int, list[Piece], float]
 """A furrow, the end it is walked from, its pieces, and the angle to the stress."""
 
@@ -267,14 +264,14 @@ def _cut(
     far = np.array([min(reach_mm, walk.left_mm) for walk in walks])
     crossing = trace(surface, origin, stress.at(origin), far).pieces
     bounds = np.searchsorted(crossing.curve, np.arange(len(walks) + 1)).tolist()
-    cuts = [_Crossing(crossing, *bounds[i : i + 2]) for i in range(len(walks))]
+    cuts = [Crossing(crossing, *bounds[i : i + 2]) for i in range(len(walks))]
     for _ in range(3):
         asked = [cut for cut in cuts if not cut.done]
         if not asked:
             break
-        face, place = (np.concatenate(part) for part in zip(*(cut.ask() for cut in asked), strict=True))
+        face, place = (np.concatenate(part) for part in zip(*(cut.asked() for cut in asked), strict=True))
         points = SurfacePoints.trusted(face, barycentric_of(surface, face, place))
-        owner = nearest(regions, points, 1, threads=1)[0].reshape(len(asked), _STEPS)
+        owner = nearest(regions, points, 1, threads=1)[0].reshape(len(asked), -1)
         for cut, row in zip(asked, owner, strict=True):
             cut.narrow(row)
     found: list[tuple[_Walk, tuple[int, int, list[Piece]]]] = []
@@ -291,56 +288,6 @@ def _cut(
         for (walk, half), (_, start, end), angle in zip(found, first, heading, strict=True):
             step = end - start
             walk.options.append((*half, _turn(np.arctan2(step[1], step[0]) - float(angle))))
-
-
-class _Crossing:
-    """Rows first to last of a set of curves: a line across a plate, cut where another region begins."""
-
-    def __init__(self, curves: CurvePieces, first: int, last: int) -> None:
-        self.face, self.start, self.end = (
-            array[first:last] for array in (curves.face, curves.start, curves.end)
-        )
-        self.regions: tuple[int, int] | None = None
-        self.done = first == last
-        if self.done:
-            return
-        self.length_mm = curves.length_mm[first:last]
-        start = curves.start_mm[first:last]
-        self.length = np.append(start, start[-1] + self.length_mm[-1])
-        self.low, self.high = 1e-3 * self.length[-1], self.length[-1]
-
-    def ask(self) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-        """Faces and places along what is left, where the region is to be told."""
-        self.far = np.linspace(self.low, self.high, _STEPS)
-        row = np.clip(np.searchsorted(self.length, self.far, side="right") - 1, 0, len(self.face) - 1)
-        share = (self.far - self.length[row]) / np.maximum(self.length_mm[row], 1e-300)
-        place = self.start[row] + np.clip(share, 0, 1)[:, None] * (self.end[row] - self.start[row])
-        return self.face[row], place
-
-    def narrow(self, owner: NDArray[np.int32]) -> None:
-        """Keep what lies between the last place of the first region and the next."""
-        changed = np.flatnonzero(owner[1:] != owner[:-1])
-        if len(changed) == 0:
-            self.done = True
-            return
-        at = int(changed[0])
-        self.low, self.high = self.far[at], self.far[at + 1]
-        low, high = sorted((int(owner[at]), int(owner[at + 1])))
-        self.regions = low, high
-
-    def pieces(self) -> list[Piece]:
-        """The line up to the other region, or all of it where there is none."""
-        if len(self.face) == 0:
-            return []
-        used = self.high if self.regions is not None else self.length[-1]
-        pieces = []
-        for i in range(len(self.face)):
-            if self.length[i] >= used:
-                break
-            share = min(1.0, (used - self.length[i]) / max(self.length[i + 1] - self.length[i], 1e-300))
-            start = self.start[i]
-            pieces.append((int(self.face[i]), start, start + share * (self.end[i] - start)))
-        return pieces
 
 
 def _pair(low: Any, high: Any) -> Any:
