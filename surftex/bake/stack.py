@@ -82,16 +82,50 @@ class Stack:
             )
         for pattern, mask in zip(self.patterns, self.masks, strict=True):
             layers = pattern.at(samples)
-            cover = None
-            if mask is not None:
-                cover = np.clip(mask(samples.points, samples.footprint_mm), 0, 1).astype(np.float32)
+            cover = covering(mask, samples)
             for channel in channels:
                 if channel in layers:
-                    values[channel] = _over(values[channel], layers[channel], cover)
+                    values[channel] = laid_over(values[channel], layers[channel], cover)
         return values
 
 
-def _over(below: NDArray[Any], above: NDArray[Any], cover: NDArray[np.float32] | None) -> NDArray[Any]:
+def covering(mask: Field | None, samples: Samples) -> NDArray[np.float32] | None:
+    """Ask a mask how much its layer covers.
+
+    Parameters
+    ----------
+    mask : Field or None
+        Of a layer.
+    samples : Samples
+        n points.
+
+    Returns
+    -------
+    cover : (n,) float32 or None
+        0 to 1; None covers everything.
+    """
+    if mask is None:
+        return None
+    return np.clip(mask(samples.points, samples.footprint_mm), 0, 1).astype(np.float32)
+
+
+def laid_over(below: NDArray[Any], above: NDArray[Any], cover: NDArray[np.float32] | None) -> NDArray[Any]:
+    """Lay one channel of a layer over what lies below.
+
+    Parameters
+    ----------
+    below : (n,) or (n, 3) array
+        What is there.
+    above : (n,) or (n, 3) array
+        What the layer writes.
+    cover : (n,) float32 or None
+        How much the layer covers.
+
+    Returns
+    -------
+    values : (n,) or (n, 3) array
+        Mixed; of ids, that which covers at least half.
+    """
     if cover is None:
         return above
     if below.dtype.kind == "i":
@@ -138,22 +172,71 @@ def place_stack(
     """
     patterns, masks = [], []
     count = len(recipe.layer)
-    for i, layer in enumerate(recipe.layer):
-        label = "layer" if count == 1 else f"layer[{i + 1}]"
-        given = None if features is None else _of_layer(features, i, label)
+    for i in range(count):
+        given = None if features is None else _of_layer(features, i, _label(recipe, i))
         told = None if tick is None else lambda share, i=i: tick((i + share) / count)
-        try:
-            masks.append(None if layer.mask == 1 else fields.scalar(layer.mask))
-            material: Any = layer.material
-            patterns.append(
-                material.place(
-                    surface, layer_seed(recipe.seed, i), fields=fields, features=given,
-                    max_features=recipe.bake.max_features, threads=threads, tick=told,
-                )
-            )  # fmt: skip
-        except InputError as problem:
-            raise RecipeError(f"{label}: {problem}") from None
+        pattern, mask = place_layer(recipe, i, surface, fields, features=given, threads=threads, tick=told)
+        patterns.append(pattern)
+        masks.append(mask)
     return Stack(tuple(patterns), tuple(masks))
+
+
+def place_layer(
+    recipe: Recipe,
+    index: int,
+    surface: Surface,
+    fields: FieldSet,
+    *,
+    features: Features | None = None,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> tuple[Pattern, Field | None]:
+    """Place one layer of a recipe on a surface.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        What to place.
+    index : int
+        Of the layer, from 0.
+    surface : Surface
+        Where.
+    fields : FieldSet
+        The recipe's fields on that surface.
+    features : mapping of str to structured array, optional
+        Take these, as the pattern's own `features` had them, and place nothing anew.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    pattern : Pattern
+        Ready to be asked.
+    mask : Field or None
+        How much it covers; None covers everything.
+
+    Raises
+    ------
+    RecipeError
+        If the layer does not fit the surface; the message names it.
+    """
+    layer = recipe.layer[index]
+    material: Any = layer.material
+    try:
+        mask = None if layer.mask == 1 else fields.scalar(layer.mask)
+        pattern = material.place(
+            surface, layer_seed(recipe.seed, index), fields=fields, features=features,
+            max_features=recipe.bake.max_features, threads=threads, tick=tick,
+        )  # fmt: skip
+    except InputError as problem:
+        raise RecipeError(f"{_label(recipe, index)}: {problem}") from None
+    return pattern, mask
+
+
+def _label(recipe: Recipe, index: int) -> str:
+    return "layer" if len(recipe.layer) == 1 else f"layer[{index + 1}]"
 
 
 def layer_seed(seed: int, index: int) -> int:

@@ -1,14 +1,51 @@
 """Slices of a serial kernel over a few threads: same bytes for any number of them, with progress and cancel."""
 
 import os
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from typing import TypeVar
 
 Result = TypeVar("Result")
 
 Tick = Callable[[float], None]
 """Told the finished share of a piece of work, 0 to 1; may raise to cancel it."""
+
+
+_CALLER = threading.local()
+
+
+class Stopped(Exception):  # noqa: N818  (nothing went wrong)
+    """Work that nobody wants any more has ended early."""
+
+
+@contextmanager
+def stopped_by(event: threading.Event) -> Iterator[None]:
+    """Let an event end the work of this thread between two slices, whoever calls for them.
+
+    Parameters
+    ----------
+    event : Event
+        Once it is set, `slices` raises `Stopped`.
+
+    Yields
+    ------
+    None
+        The block that can be ended.
+    """
+    before = getattr(_CALLER, "event", None)
+    _CALLER.event = event
+    try:
+        yield
+    finally:
+        _CALLER.event = before
+
+
+def _go_on() -> None:
+    event = getattr(_CALLER, "event", None)
+    if event is not None and event.is_set():
+        raise Stopped
 
 
 class PartTick:
@@ -86,7 +123,13 @@ def slices(
     -------
     results : list
         One per slice, in the order of the slices.
+
+    Raises
+    ------
+    Stopped
+        If the event of `stopped_by` is set.
     """
+    _go_on()
     firsts = range(0, count, size)
     bounds = [(first, min(first + size, count)) for first in firsts]
     workers = min(thread_count(threads), len(bounds))
@@ -94,6 +137,7 @@ def slices(
         results = []
         for i, (first, last) in enumerate(bounds):
             results.append(work(first, last))
+            _go_on()
             if tick:
                 tick((i + 1) / len(bounds))
         return results
@@ -105,6 +149,7 @@ def slices(
                 done, pending = wait(pending, return_when=FIRST_COMPLETED)
                 for future in done:
                     future.result()
+                _go_on()
                 if tick:
                     tick(1 - len(pending) / len(bounds))
         except BaseException:

@@ -8,6 +8,8 @@ continues: +y is up (OpenGL). Where the height is flat it holds exactly (0, 0, 1
 side of a hard edge takes on the other's normal.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,7 +18,7 @@ from surftex.charts.atlas import Atlas
 from surftex.charts.fill import nearest_mapped
 from surftex.charts.texels import Texels
 from surftex.kernels.pool import slices
-from surftex.maps.page import page_metric, read_only, stopped, texel_index
+from surftex.maps.page import PageMetric, page_metric, read_only, stopped, texel_index
 from surftex.maps.tangents import corner_tangents
 from surftex.surface.surface import Surface
 
@@ -66,15 +68,16 @@ def height_gradient(
         trusted beyond a border of the mesh.
     """
     index = texel_index(texels, stopped(surface, texels))
-    return _gradient(surface, atlas, texels, height_mm, index, threads)
+    metric = page_metric(surface, atlas, texels.width, texels.height)
+    return _gradient(atlas, texels, height_mm, index, metric, threads)
 
 
 def _gradient(
-    surface: Surface,
     atlas: Atlas,
     texels: Texels,
     height_mm: ArrayLike,
     index: NDArray[np.int32],
+    metric: PageMetric,
     threads: int | None,
 ) -> NDArray[np.float32]:
     """As `height_gradient`, by the texels of an index."""
@@ -82,7 +85,6 @@ def _gradient(
 
     count = len(texels)
     height = read_only(checked(height_mm, "height_mm", (count,), np.float32))
-    metric = page_metric(surface, atlas, texels.width, texels.height)
     texel = read_only(texels.texel - texels.rows[0] * texels.width)
     host, chart = read_only(texels.host), read_only(atlas.chart)
     gradient = np.zeros((count, 2), np.float32)
@@ -137,35 +139,82 @@ def normal_map(
     encoded : (t, 3) float32
         Unit vectors along tangent, bitangent and normal; `texels.image` makes a picture of them.
     """
-    from surftex.kernels.normals import encode_slopes
+    return NormalPage.of(surface, atlas, texels, tangents=tangents).encoded(height_mm, threads=threads)
 
-    border = stopped(surface, texels)
-    index = texel_index(texels, border)
-    gradient = read_only(_gradient(surface, atlas, texels, height_mm, index, threads))
-    tangents = read_only(surface_tangents(surface, atlas) if tangents is None else tangents)
-    metric = page_metric(surface, atlas, texels.width, texels.height)
-    shading, frame = read_only(surface.shading_normal), surface.frame
-    texel, host = read_only(texels.texel), read_only(texels.host)
-    encoded = np.zeros((len(gradient), 3), np.float32)
 
-    def work(first: int, last: int) -> None:
-        encode_slopes(
-            first,
-            last,
-            texels.width,
-            texel,
-            gradient,
-            host,
-            metric.weight,
-            frame,
-            shading,
-            tangents,
-            encoded,
-        )
+@dataclass(frozen=True, eq=False)
+class NormalPage:
+    """All of a normal map but the height, for a page that is drawn again and again; make it with `NormalPage.of`."""
 
-    slices(work, len(gradient), size=_SLICE, threads=threads)
-    _mend_border(texels, border, index, encoded)
-    return encoded
+    surface: Surface
+    atlas: Atlas
+    texels: Texels
+    tangents: NDArray[np.float64]
+    metric: PageMetric
+    border: NDArray[np.bool_]
+    index: NDArray[np.int32]
+
+    @staticmethod
+    def of(
+        surface: Surface, atlas: Atlas, texels: Texels, *, tangents: NDArray[np.float64] | None = None
+    ) -> "NormalPage":
+        """Prepare a page.
+
+        Parameters
+        ----------
+        surface : Surface
+            m faces.
+        atlas : Atlas
+            Its unwrap.
+        texels : Texels
+            t mapped texels.
+        tangents : (m, 3, 4) float64, optional
+            From `surface_tangents`, if they are known already.
+
+        Returns
+        -------
+        page : NormalPage
+            Ready for heights.
+        """
+        border = stopped(surface, texels)
+        return NormalPage(
+            surface, atlas, texels,
+            read_only(surface_tangents(surface, atlas) if tangents is None else tangents),
+            page_metric(surface, atlas, texels.width, texels.height), border, texel_index(texels, border),
+        )  # fmt: skip
+
+    def encoded(self, height_mm: ArrayLike, *, threads: int | None = None) -> NDArray[np.float32]:
+        """Make the normals of a height.
+
+        Parameters
+        ----------
+        height_mm : (t,) float
+            Height above the surface at each mapped texel.
+        threads : int, optional
+            None means every core; it cannot change a byte.
+
+        Returns
+        -------
+        encoded : (t, 3) float32
+            As `normal_map`.
+        """
+        from surftex.kernels.normals import encode_slopes
+
+        texels = self.texels
+        gradient = read_only(_gradient(self.atlas, texels, height_mm, self.index, self.metric, threads))
+        shading, frame = read_only(self.surface.shading_normal), self.surface.frame
+        texel, host = read_only(texels.texel), read_only(texels.host)
+        encoded = np.zeros((len(gradient), 3), np.float32)
+
+        def work(first: int, last: int) -> None:
+            encode_slopes(
+                first, last, texels.width, texel, gradient, host, self.metric.weight, frame, shading, self.tangents,
+                encoded,
+            )  # fmt: skip
+
+        slices(work, len(gradient), size=_SLICE, threads=threads)
+        _mend_border(texels, self.border, self.index, encoded)
+        return encoded
 
 
 def _mend_border(

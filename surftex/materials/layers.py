@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,4 +73,25 @@ class Pattern(Protocol):
 
     def at(self, samples: Samples) -> Layers:
         """Evaluate at samples."""
+        ...
+
+
+@runtime_checkable
+class Reshaping(Protocol):
+    """A pattern that answers in two steps, so that a change of depth or colour need not measure anything anew."""
+
+    def gather(self, samples: Samples) -> Any:
+        """Measure what takes time."""
+        ...
+
+    def shape(self, gathered: Any, footprint_mm: NDArray[np.float32], /) -> Layers:
+        """Turn what was gathered into channels; `at` is both steps."""
+        ...
+
+    def reshaped(self, material: Any, /) -> "Reshaping | None":
+        """Take over another material of the same kind, or None where `gather` would answer otherwise."""
+        ...
+
+    def keeps(self, material: Any, /) -> bool:
+        """Tell whether another material of the same kind would place the same features."""
         ...

@@ -203,6 +203,21 @@ class Cells(BaseModel):
 
         return captions("cells")
 
+    def roomy(self, times: float) -> "Cells":
+        """Make wrinkles wider, so that they are flooded far enough to be widened later.
+
+        Parameters
+        ----------
+        times : float
+            How much wider.
+
+        Returns
+        -------
+        cells : Cells
+            Grown like these.
+        """
+        return self.model_copy(update={"wrinkle_width": times * self.wrinkle_width})
+
     def wavelengths_mm(self) -> dict[str, float]:
         """Tell how large features are.
 

@@ -1,7 +1,7 @@
 """A grown leather on a surface: cells answer at any sample, by walking distance from their centres."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -26,6 +26,23 @@ from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
 
 CHANNELS = ("height_mm", "base_color", "roughness", "specular", "region")
+
+SHAPING = frozenset({
+    "relief", "relief_variation", "dome", "shoulder", "groove", "shallows", "blob_height", "wrinkle_depth", "wrinkle_width",
+    "grain_height", "color", "furrow_color", "crest_color", "dye", "wear", "mottle", "cell_tone", "roughness",
+    "furrow_roughness", "crest_roughness", "specular",
+})  # fmt: skip
+"""Parameters that `CellsPattern.shape` reads; all others grow other cells, or change what is measured of them."""
+
+_SWITCHES = frozenset({"shallows", "blob_height", "grain_height"})
+"""Those of which zero and more than zero are two things to gather."""
+
+_KEPT = SHAPING | {"gap", "rounding", "taper", "waviness", "blob_density", "blob_size", "blob_variation", "blob_threshold",
+                   "wrinkle_taper", "grain_size", "mottle_size"}  # fmt: skip
+"""Parameters that grow the same cells."""
+
+_FLOODED = 1.5
+"""How far wrinkles are flooded, in widths."""
 
 WAVE = 1.2
 """Noise has an rms of 0.31, and three of it make a vector: a waviness of 0.1 moves most sides by up to a tenth of a cell."""
@@ -105,7 +122,7 @@ class CellsPattern:
             pieces = curve_pieces(surface, features["wrinkle"])
             buckets = Buckets.of(surface, cells.wrinkle_width)
             wrinkles = flood_curves(
-                surface, pieces, 1.5 * cells.wrinkle_width, buckets=buckets, threads=threads
+                surface, pieces, _FLOODED * cells.wrinkle_width, buckets=buckets, threads=threads
             )
         return CellsPattern(
             cells, surface, MappingProxyType(dict(features)), planes, outline(cells, planes, seed, threads), records,
@@ -125,6 +142,21 @@ class CellsPattern:
         layers : Layers
             The channels named by `channels`.
         """
+        return self.shape(self.gather(samples), samples.footprint_mm)
+
+    def gather(self, samples: Samples) -> Place:
+        """Find the cell of each sample, and where in it the sample lies: what takes time, and no depth or colour changes.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        place : Place
+            For `shape`.
+        """
         points, footprint = samples.points, samples.footprint_mm
         position = points.positions(self.surface)
         count = len(points)
@@ -143,7 +175,67 @@ class CellsPattern:
         place = located(
             self.cells, self.planes, self.outlines, start, cell, vector, noise, count, self._numbers, lone
         )
-        return layers(self.cells, place(wrinkle, share), footprint)
+        return place(wrinkle, share)
+
+    def shape(self, place: Place, footprint_mm: NDArray[np.float32]) -> Layers:
+        """Turn places into channels.
+
+        Parameters
+        ----------
+        place : Place
+            From `gather`.
+        footprint_mm : (n,) float32
+            Side of each sample's patch.
+
+        Returns
+        -------
+        layers : Layers
+            The channels named by `channels`.
+        """
+        return layers(self.cells, place, footprint_mm)
+
+    def reshaped(self, cells: Cells) -> "CellsPattern | None":
+        """Give the same cells other heights and colours.
+
+        Parameters
+        ----------
+        cells : Cells
+            What they shall be like.
+
+        Returns
+        -------
+        pattern : CellsPattern or None
+            Whose `shape` takes what this one gathered; None where more than that has changed, or where wrinkles
+            have become wider than they were flooded.
+        """
+        old, new = self.cells.model_dump(), cells.model_dump()
+        changed = {key for key in new if new[key] != old[key]}
+        if not changed <= SHAPING:
+            return None
+        if any(bool(old[key]) != bool(new[key]) for key in changed & _SWITCHES):
+            return None
+        if bool(cells.mottle + cells.wear) != bool(self.cells.mottle + self.cells.wear):
+            return None
+        if cells.wrinkle_width > _FLOODED * self.cells.wrinkle_width:
+            return None
+        return replace(self, cells=cells)
+
+    def keeps(self, cells: Cells) -> bool:
+        """Tell whether another material would grow the same cells at the same places.
+
+        Parameters
+        ----------
+        cells : Cells
+            With the same seed.
+
+        Returns
+        -------
+        keeps : bool
+            Then `features` need not be grown anew.
+        """
+        return all(
+            getattr(self.cells, key) == getattr(cells, key) for key in Cells.model_fields.keys() - _KEPT
+        )
 
     @cached_property
     def _inhabited(self) -> NDArray[np.bool_]:

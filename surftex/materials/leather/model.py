@@ -174,6 +174,22 @@ class Leather(BaseModel):
 
         return captions("leather")
 
+    def roomy(self, times: float) -> "Leather":
+        """Make every element wider, so that it is flooded far enough to be widened later.
+
+        Parameters
+        ----------
+        times : float
+            How much wider.
+
+        Returns
+        -------
+        leather : Leather
+            Its elements lie where they lay.
+        """
+        widths = ("sulcus_width", "wrinkle_width", "pocket_width", "pore_width", "crown_width")
+        return self.model_copy(update={key: times * getattr(self, key) for key in widths})
+
     def wavelengths_mm(self) -> dict[str, float]:
         """Tell how large features are.
 

@@ -1,7 +1,7 @@
 """`LeatherPattern`: a leather placed on a surface, ready to answer at any sample."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -25,6 +25,30 @@ from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
 
 CHANNELS = ("height_mm", "base_color", "roughness", "specular", "region")
+
+SHAPING = frozenset({
+    "crista_height", "crista_exponent", "variation", "sulcus_depth", "sulcus_width", "sulcus_variation", "wrinkle_depth",
+    "wrinkle_width", "wrinkle_fold", "pocket_depth", "pocket_width", "pore_depth", "pore_width", "crown_height",
+    "crown_width", "crown_pit_depth", "crown_pit_width", "scale_overlap", "grain_height", "color", "furrow_color",
+    "crest_color", "dye", "pore_dye", "wear", "mottle", "cell_tone", "roughness", "furrow_roughness", "crest_roughness",
+    "specular",
+})  # fmt: skip
+"""Parameters that `LeatherPattern.shape` reads; all others move elements, or what is measured of them."""
+
+_SWITCHES = frozenset({"sulcus_variation", "wrinkle_fold", "pocket_depth", "scale_overlap", "grain_height"})
+"""Those of which zero and more than zero are two things to gather."""
+
+_PLACING = frozenset({
+    "cell_size", "size_variation", "cell_ratio", "direction", "cell_shape", "regularity", "invasion", "invasion_mode",
+    "stress", "wrinkle_count", "wrinkle_density", "wrinkle_length", "wrinkle_angle", "pore_density", "pore_group",
+    "pore_spread", "crown_spacing",
+})  # fmt: skip
+"""Parameters that decide where elements are; so do `pocket_depth` and `scale_overlap`, by being zero or not."""
+
+_WIDTHS = frozenset({"sulcus_width", "wrinkle_width", "pocket_width", "pore_width", "crown_width"})
+
+_FLOODED = 1.5
+"""How far elements are flooded, in widths."""
 
 _CROWN_SPREAD = 0.25
 """How much crowns differ in size, either way."""
@@ -97,7 +121,7 @@ class LeatherPattern:
                 table = features[kind]
                 buckets = Buckets.of(surface, width)
                 curves[kind] = flood_curves(
-                    surface, curve_pieces(surface, table), 1.5 * width, buckets=buckets, threads=threads
+                    surface, curve_pieces(surface, table), _FLOODED * width, buckets=buckets, threads=threads
                 )
         for kind, width in (
             ("pocket", leather.pocket_width),
@@ -110,7 +134,9 @@ class LeatherPattern:
                     np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
                 )
                 buckets = Buckets.of(surface, width)
-                points[kind] = flood_points(surface, where, 1.5 * width, buckets=buckets, threads=threads)
+                points[kind] = flood_points(
+                    surface, where, _FLOODED * width, buckets=buckets, threads=threads
+                )
         return LeatherPattern(
             leather, surface, MappingProxyType(dict(features)),
             Cells.build(leather, surface, features["cell"], stream(seed, "leather", "borders"), records, threads),
@@ -130,6 +156,21 @@ class LeatherPattern:
         layers : Layers
             The channels named by `channels`.
         """
+        return self.shape(self.gather(samples), samples.footprint_mm)
+
+    def gather(self, samples: Samples) -> Skeleton:
+        """Measure the way to the nearest element of each kind: what takes time, and no depth or colour changes.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        skeleton : Skeleton
+            For `shape`.
+        """
         leather, points, footprint = self.leather, samples.points, samples.footprint_mm
         position = points.positions(self.surface)
         plates = self.cells.at(leather, points, self._wave(position, footprint))
@@ -137,7 +178,7 @@ class LeatherPattern:
         numbers = self._cell_numbers
         crack, wrinkle = self._nearest_curve("crack", points), self._nearest_curve("wrinkle", points)
         crown_mm, crown_scale = self._nearest_crown(points)
-        skeleton = Skeleton(
+        return Skeleton(
             plates=plates,
             cell_mm=self.cells.size_mm[cell].astype(np.float32),
             level=numbers[cell, 0],
@@ -156,7 +197,66 @@ class LeatherPattern:
                 "mottle", leather.mottle_size, 2, position, footprint, leather.mottle + leather.wear
             ),
         )
-        return layers(leather, skeleton, footprint)
+
+    def shape(self, skeleton: Skeleton, footprint_mm: NDArray[np.float32]) -> Layers:
+        """Turn distances into channels.
+
+        Parameters
+        ----------
+        skeleton : Skeleton
+            From `gather`.
+        footprint_mm : (n,) float32
+            Side of each sample's patch.
+
+        Returns
+        -------
+        layers : Layers
+            The channels named by `channels`.
+        """
+        return layers(self.leather, skeleton, footprint_mm)
+
+    def reshaped(self, leather: Leather) -> "LeatherPattern | None":
+        """Give the same elements other depths, widths and colours.
+
+        Parameters
+        ----------
+        leather : Leather
+            What they shall be like.
+
+        Returns
+        -------
+        pattern : LeatherPattern or None
+            Whose `shape` takes what this one gathered; None where more than that has changed, or where elements
+            have become wider than they were flooded.
+        """
+        old, new = self.leather.model_dump(), leather.model_dump()
+        changed = {key for key in new if new[key] != old[key]}
+        if not changed <= SHAPING:
+            return None
+        if any(bool(old[key]) != bool(new[key]) for key in changed & _SWITCHES):
+            return None
+        if bool(leather.mottle + leather.wear) != bool(self.leather.mottle + self.leather.wear):
+            return None
+        wider = any(new[key] > _FLOODED * old[key] for key in changed & _WIDTHS)
+        return None if wider else replace(self, leather=leather)
+
+    def keeps(self, leather: Leather) -> bool:
+        """Tell whether another leather would have the same elements at the same places.
+
+        Parameters
+        ----------
+        leather : Leather
+            With the same seed.
+
+        Returns
+        -------
+        keeps : bool
+            Then `features` need not be placed anew.
+        """
+        return all(getattr(self.leather, key) == getattr(leather, key) for key in _PLACING) and all(
+            bool(getattr(self.leather, key)) == bool(getattr(leather, key))
+            for key in ("pocket_depth", "scale_overlap")
+        )
 
     @cached_property
     def _cell_numbers(self) -> NDArray[np.float32]:
