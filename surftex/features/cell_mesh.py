@@ -5,8 +5,8 @@ their Voronoi regions. Triangles are known by the lengths of their sides, so pla
 
 Where many thin triangles meet at one particle they would make a star. Three things together cure that, in this order:
 particles that lie too close under others are left out (`kept_apart`); thin triangles, and those around a particle with
-eight or more of them, are paired first, across their common spoke; and wherever seven cells or more still meet,
-pairing goes on past its share.
+eight or more of them, are paired first, across their common spoke; and wherever seven cells or more, or four lone
+triangles, still meet, pairing goes on past its share.
 """
 
 from dataclasses import dataclass
@@ -21,6 +21,9 @@ THIN_RAD = np.radians(30.0)
 
 CROWDED = 8
 """Triangles around a particle from which on it is the middle of a star."""
+
+STAR = 4
+"""So many lone triangles around a particle look like a star; two of them are paired beyond the share."""
 
 TOO_CLOSE = 0.55
 """Particles nearer than this share of the sum of their radii overlap too much to make a cell between them."""
@@ -148,7 +151,7 @@ def paired(triangles: Triangles, *, share: float, most_rad: float) -> NDArray[np
     meeting = np.bincount(triangles.corner.ravel(), minlength=particles)
     pair_triangles(
         triangles.corner, triangles.twin, side[order], worst[order], thin, share * count, most_rad, _LAST_RESORT_RAD,
-        CROWDED, meeting, mate,
+        CROWDED, STAR, meeting, meeting.copy(), mate,
     )  # fmt: skip
     alone = np.flatnonzero(mate < 0)
     first = np.flatnonzero(mate >= 0)

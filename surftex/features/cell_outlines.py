@@ -80,6 +80,12 @@ class Outlines:
     blob_start: NDArray[np.int64]
     blob: NDArray[np.float64]
 
+    @property
+    def breadth(self) -> NDArray[np.float64]:
+        """(c,) from the middle to the nearest side; 0 where there is no outline."""
+        steepest = np.hypot(self.edge[..., 0], self.edge[..., 1]).max(axis=1, initial=0)
+        return np.where(self.edges > 0, 1 / np.maximum(steepest, 1e-300), 0)
+
 
 def plane_cells(
     cells: NDArray[np.int64], place: NDArray[np.float64], side: float, scale: float

@@ -71,33 +71,3 @@ def cells_at(
             border[i] = far * (1 / max(best, 1e-3) - 1)
             if best < 1 and blob_start[who + 1] > blob_start[who]:
                 swelling[i] = blended(blob, blob_start[who], blob_start[who + 1], px, py, threshold)
-
-
-@kernel
-def tile_candidates(
-    begin, end, fill, place, side, bucket_start, bucket, across, centre, radius, start, cell, vector
-):
-    """List the cells of a tile whose circle holds places [begin, end).
-
-    place (n, 2); bucket_start, bucket: cells whose circle meets each of across x across squares; centre (c, 2),
-    radius (c,). With fill 0 counts go to start[i + 1], with 1 candidates from start[i] on -> cell (e,), vector (e, 2).
-    """
-    for i in range(begin, end):
-        x, y = place[i, 0], place[i, 1]
-        column = min(max(int(x / side * across), 0), across - 1)
-        row = min(max(int(y / side * across), 0), across - 1)
-        square = row * across + column
-        found = 0
-        for k in range(bucket_start[square], bucket_start[square + 1]):
-            c = bucket[k]
-            dx, dy = x - centre[c, 0], y - centre[c, 1]
-            dx -= side * math.floor(dx / side + 0.5)
-            dy -= side * math.floor(dy / side + 0.5)
-            if dx * dx + dy * dy <= radius[c] * radius[c]:
-                if fill == 1:
-                    at = start[i] + found
-                    cell[at] = c
-                    vector[at, 0], vector[at, 1] = dx, dy
-                found += 1
-        if fill == 0:
-            start[i + 1] = found

@@ -92,12 +92,12 @@ def flip_to_delaunay(corner, twin, length, queue, waiting):
 
 @kernel
 def pair_triangles(
-    corner, twin, side, worst, thin, wanted, most, last_resort, crowded, meeting, mate
+    corner, twin, side, worst, thin, wanted, most, last_resort, crowded, star, meeting, lone, mate
 ):  # fmt: skip
     """Pair triangles over sides in ascending order of their deviation `worst`.
 
-    side (s,) int64, worst (s,); thin (t,) bool; meeting (p,) int64: cells around each particle, kept up to date
-    -> mate (t,) int64: given as -1; 3 other + the other's side.
+    side (s,) int64, worst (s,); thin (t,) bool; meeting, lone (p,) int64: cells, and triangles that are none's mate,
+    around each particle, kept up to date -> mate (t,) int64: given as -1; 3 other + the other's side.
     """
     used = 0
     for stage in range(3):
@@ -112,9 +112,13 @@ def pair_triangles(
             most_meeting = max(meeting[a], meeting[b])
             if stage == 0 and not (thin[t] or thin[u] or most_meeting >= crowded):
                 continue
-            if stage == 2 and most_meeting < crowded - 1:
+            if stage == 2 and most_meeting < crowded - 1 and max(lone[a], lone[b]) < star:
                 continue
             mate[t], mate[u] = 3 * u + j, 3 * t + i
             meeting[a] -= 1
             meeting[b] -= 1
+            lone[a] -= 2
+            lone[b] -= 2
+            lone[corner[t, (i + 2) % 3]] -= 1
+            lone[corner[u, (j + 2) % 3]] -= 1
             used += 2

@@ -1,5 +1,7 @@
 """Leather grown from particles: a tile that repeats, cells that fill the surface, the same under any threads and unwrap."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -55,6 +57,19 @@ def test_cells_of_a_tile_fill_it_without_overlap(tile):
     assert (sides == 3).mean() < 0.6
     meeting = np.bincount(tile.features["cell"]["corner"][tile.features["cell"]["corner"] >= 0])
     assert meeting.max() <= 8  # no stars
+    corner, lone = tile.features["cell"]["corner"], tile.features["cell"]["sides"] == 3
+    assert np.bincount(corner[lone][:, :3].ravel()).max() < 5
+
+
+def test_narrow_cells_rise_less_than_broad_ones(tile):
+    middle = tile.centre_mm + tile.outlines.middle
+    flat = tile.cells.model_copy(update={"blob_height": 0.0, "grain_height": 0.0, "relief_variation": 0.0})
+    height = dataclasses.replace(tile, cells=flat).at(middle)["height_mm"]
+    breadth = tile.outlines.breadth
+    narrow, broad = breadth < 0.15, breadth > 0.36
+    assert narrow.sum() > 5
+    assert broad.sum() > 5
+    assert np.median(height[narrow]) < 0.7 * np.median(height[broad])
 
 
 def test_a_page_is_the_tile_and_threads_change_no_byte(tile):

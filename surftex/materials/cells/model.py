@@ -46,7 +46,7 @@ class Cells(BaseModel):
     direction: str | None = _field(
         None, "cells", "Direction field that cells are long in; smoothest without it."
     )
-    quads: Share = _field(0.7, "cells", "Share of the triangles that are paired into cells with four sides.")
+    quads: Share = _field(0.6, "cells", "Share of the triangles that are paired into cells with four sides.")
     squareness: float = _field(
         40.0,
         "cells",
@@ -92,6 +92,7 @@ class Cells(BaseModel):
 
     relief: float = _field(0.14, "shape", "Rise of a cell, in cell sizes.", ge=0, le=2)
     relief_variation: Share = _field(0.15, "shape", "How much cells differ in height.")
+    leanness: Share = _field(0.75, "shape", "How much less small and narrow cells rise than broad ones.")
     gap: float = _field(0.02, "shape", "Width of the floor of grooves, in cell sizes.", ge=0, le=0.5)
     rounding: float = _field(
         0.34, "shape", "Share of a side, from either end, that goes into a rounded corner.", gt=0, lt=0.5

@@ -47,6 +47,9 @@ _FLOODED = 1.5
 WAVE = 1.2
 """Noise has an rms of 0.31, and three of it make a vector: a waviness of 0.1 moves most sides by up to a tenth of a cell."""
 
+BROAD = 0.36
+"""Breadth from which on a cell rises in full, in diameters of the largest particles."""
+
 _AROUND = 1.02
 """Radius of the search around the centre of a cell, in distances of its farthest corner."""
 
@@ -300,6 +303,31 @@ def cell_numbers(seed: int, count: int) -> NDArray[np.float32]:
     return stream(seed, "cells", "cell").uniform(count + 1, 2).astype(np.float32)
 
 
+def rises(cells: Cells, planes: CellPlanes, outlines: Outlines) -> tuple[NDArray[np.float32], np.float32]:
+    """Tell how far cells rise: in proportion to their breadth where they are narrow, so that none is a ridge.
+
+    Parameters
+    ----------
+    cells : Cells
+        What they are like.
+    planes : CellPlanes
+        c cells.
+    outlines : Outlines
+        Theirs.
+
+    Returns
+    -------
+    rise : (c,) float32
+        Shares of the full rise, 0 to 1.
+    mean : float32
+        Over the area.
+    """
+    full = np.minimum(outlines.breadth / (BROAD * planes.scale), 1)
+    rise = (1 - cells.leanness + cells.leanness * full).astype(np.float32)
+    mean = np.average(rise, weights=outlines.area) if outlines.area.sum() > 0 else 1.0
+    return rise, np.float32(mean)
+
+
 def wrinkle_left(cells: Cells, along: NDArray, length: NDArray) -> NDArray[np.float32]:
     """Tell how much of a wrinkle is left between its ends.
 
@@ -371,6 +399,7 @@ def located(
         outlines.blob_start, outlines.blob, cells.blob_threshold, owner, rho, border, swelling,
     )  # fmt: skip
     rho[lone] = 0
+    rise, mean = rises(cells, planes, outlines)
     scale = np.append(planes.scale, size).astype(np.float32)[owner]
     swelling /= np.float32(cells.blob_size) * scale
     own = numbers[owner]
@@ -379,7 +408,7 @@ def located(
 
     def place(wrinkle: NDArray[np.float32] | None, share: NDArray[np.float32] | None) -> Place:
         return Place(
-            owner, rho, border, swelling, scale, own[:, 0], own[:, 1], wrinkle, share,
+            owner, rho, border, swelling, scale, np.append(rise, mean)[owner], mean, own[:, 0], own[:, 1], wrinkle, share,
             noise("shallows", 2.5 * size, 2) if cells.shallows > 0 else none,
             noise("grain", cells.grain_size, 2) if cells.grain_height > 0 else none,
             noise("mottle", cells.mottle_size, 2) if drifting else none,

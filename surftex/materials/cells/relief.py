@@ -28,6 +28,10 @@ class Place:
         Height of the metaballs, in lengths of their radius.
     scale_mm : (n,) float32
         Cell size thereabouts.
+    rise : (n,) float32
+        How far its cell rises, as a share of the full rise.
+    mean_rise : float
+        Of all cells.
     level, tone : (n,) float32
         Random numbers of the cell, 0 to 1.
     wrinkle_mm, wrinkle_share : (n,) float32 or None
@@ -41,6 +45,8 @@ class Place:
     border_mm: Float
     swelling_mm: Float
     scale_mm: Float
+    rise: Float
+    mean_rise: np.float32
     level: Float
     tone: Float
     wrinkle_mm: Float | None
@@ -102,11 +108,12 @@ def layers(cells: Cells, place: Place, footprint_mm: Float) -> Layers:
     inside = np.clip(1 - place.rho**2, 0, 1)
     crest = np.float32(0.5) + (inside - np.float32(0.5)) * coarse
     floor = cells.shallows * smoothstep(-0.5, 0.7, place.shallow)
-    own = 1 + cells.relief_variation * (2 * place.level - 1) * coarse
+    own = place.mean_rise + (place.rise - place.mean_rise) * coarse
+    own = own * (1 + cells.relief_variation * (2 * place.level - 1) * coarse)
     height = rise * (own * (floor + (1 - floor) * side) + cells.dome * own * crest)
     fade = np.clip((1 - place.rho) / np.float32(cells.taper), 0, 1)
     blobs = place.swelling_mm * fade * visible(2 * cells.blob_size * scale, footprint_mm)
-    height = height + cells.blob_height * rise * blobs
+    height = height + cells.blob_height * rise * own * blobs
     furrow = np.clip(1 - side, 0, 1) * (1 - floor)
 
     wrinkle = np.zeros_like(side)
