@@ -52,6 +52,18 @@ def _queue(size: int) -> tuple[NDArray[Any], ...]:
     return np.zeros(size), np.zeros((size, 2), np.int32), np.zeros((size, 8)), np.zeros((size, 5), np.int32)
 
 
+def _side_by_side(surface: Surface, face: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Order of sources that keeps neighbours together (Morton's): what one has read of the mesh, the next finds at hand."""
+    middle = surface.vertices[surface.faces[face]].mean(axis=1)
+    low = surface.vertices.min(axis=0)
+    cell = ((middle - low) * (1023.0 / np.ptp(surface.vertices, axis=0).max())).astype(np.int64)
+    key = np.zeros(len(face), np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            key |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
+    return np.argsort(key, kind="stable")
+
+
 def flood_primitives(
     surface: Surface,
     start: NDArray[np.int64],
@@ -89,7 +101,7 @@ def flood_primitives(
     Returns
     -------
     row : (r, 10) float64
-        In the order of the sources; read-only.
+        Source by source, those of neighbour faces together; read-only.
     row_id : (r, 3) int32
         Face, primitive, kind; read-only.
 
@@ -103,7 +115,9 @@ def flood_primitives(
     count, faces = len(start) - 1, len(surface.faces)
     asked = np.ones(faces, bool) if wanted is None else checked(wanted, "wanted", (faces,), np.bool_)
     most = MOST_WINDOWS
-    given = (frozen(start), read_only_view(face, np.int32), frozen(primitive), radius, most)
+    first_face = face[np.minimum(start[:-1], len(face) - 1)] if len(face) else np.zeros(count, np.int32)
+    order = frozen(_side_by_side(surface, first_face))
+    given = (order, frozen(start), read_only_view(face, np.int32), frozen(primitive), radius, most)
     mesh = (*packed(surface), frozen(asked.astype(np.uint8)), bound)
     workers: list[_Worker] = []
 
@@ -120,8 +134,9 @@ def flood_primitives(
             elif full == 2:
                 worker.longer_rows()
             elif full == 3:
+                source = int(order[first])
                 raise WorkError(
-                    f"source {first} of {count} sends more than {most} windows within {radius[first]:g} mm; "
+                    f"source {source} of {count} sends more than {most} windows within {radius[source]:g} mm; "
                     "ask for a smaller radius, or use method='heat'"
                 )
         n = int(worker.count[3])

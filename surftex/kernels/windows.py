@@ -252,21 +252,22 @@ def _cross(
 
 @kernel
 def flood(
-    first, last, stamp, primitive_start, primitive_face, primitive, radius, most, ids, shape, turning,
+    first, last, stamp, order, primitive_start, primitive_face, primitive, radius, most, ids, shape, turning,
     fan_start, fan_corner, wanted, bound, near, near_of, lit_of, split, edge_of, count, heap_key, links,
     window, window_id, row, row_id,
 ):  # fmt: skip
-    """Flood sources [first, last): source k owns primitives primitive_start[k] to primitive_start[k + 1].
+    """Flood sources order[first:last]: source k owns primitives primitive_start[k] to primitive_start[k + 1].
 
     primitive (p, 8): start and end in the frame of its face (the same for a point), then the two unit directions,
-    counter-clockwise and at most half a turn apart, of a cap's wedge (0 for none). stamp + k must differ from every
-    number in the `*_of`. The arrays are described in `surftex.kernels.window_queue`.
+    counter-clockwise and at most half a turn apart, of a cap's wedge (0 for none). stamp + first to stamp + last must
+    not be among the numbers in the `*_of`. The arrays are described in `surftex.kernels.window_queue`.
     -> row (r, 10), row_id (r, 3) (face, primitive, kind), from count[3] on, which ends as their number.
-    Returns the source that did not fit, and what to do about it (1 grow the queue, 2 grow the rows, 3 nothing: it
-    sends more than `most` windows); or last and 0.
+    Returns the place in the order of the source that did not fit, and what to do about it (1 grow the queue, 2 grow
+    the rows, 3 nothing: it sends more than `most` windows); or last and 0.
     """
-    for k in range(first, last):
-        source = stamp + k
+    for turn in range(first, last):
+        k = order[turn]
+        source = stamp + turn
         limit = radius[k]
         rows = count[3]
         count[0], count[1], count[2], count[4], count[5] = 0, 0, 0, 0, 0
@@ -310,5 +311,5 @@ def flood(
                 )  # fmt: skip
         if popped > most or count[4] > 0 or count[5] > 0:
             count[3] = rows
-            return k, 3 if popped > most else (1 if count[4] > 0 else 2)
+            return turn, 3 if popped > most else (1 if count[4] > 0 else 2)
     return last, 0
