@@ -15,6 +15,7 @@ from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
     from surftex.bake.displacing import Baked
+    from surftex.bake.growing import Growth
     from surftex.maps.mapset import MapSet
 
 
@@ -112,6 +113,7 @@ def run(
     tile: int | None = None,
     progress: Progress | None = None,
     remember: bool = False,
+    growth: "Growth | None" = None,
 ) -> "Baked":
     """Bake a recipe, and keep the patterns beside the maps.
 
@@ -131,6 +133,8 @@ def run(
         As for `bake`.
     remember : bool
         Take unwrap and features from the user's cache folder where an earlier run left them, and leave them there.
+    growth : Growth, optional
+        Goes on from it, keeps it when the bake is done or cut off, and remembers states on the way.
 
     Returns
     -------
@@ -149,7 +153,9 @@ def run(
     if tile is not None and tile < 1:
         raise InputError(f"tile is {tile}; it takes at least 1 row")
     try:
-        return _bake(subject, recipe, features, threads, tile, Stages(progress), remember=remember)
+        return _bake(
+            subject, recipe, features, threads, tile, Stages(progress), remember=remember, growth=growth
+        )
     except MemoryError:
         side = recipe.bake.resolution
         raise WorkError(
@@ -159,10 +165,11 @@ def run(
 
 def _bake(
     subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages,
-    *, remember: bool,
+    *, remember: bool, growth: "Growth | None",
 ) -> "Baked":  # fmt: skip
     from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
+    from surftex.bake.growing import ground_key
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
@@ -176,11 +183,17 @@ def _bake(
         surface = _surface(subject, recipe)
         given = _features(features)
         fields = make_fields(recipe, surface)
-    key = features_key(recipe, surface) if remember and given is None else None
+        begun = None if growth is None else growth.begun(recipe, ground_key(surface))
+    key = features_key(recipe, surface) if remember and given is None and growth is None else None
     with Unwrapping(surface, settings, stages, threads, remember=remember) as unwrapping:
         with stages.stage("place") as tick:
             known = given if key is None else remembered_features(key)
-            stack = place_stack(recipe, surface, fields, features=known, threads=threads, tick=tick)
+            options: Any = {"features": known, "begun": begun, "threads": threads}
+            if growth is None:
+                stack = place_stack(recipe, surface, fields, tick=tick, **options)
+            else:
+                with growth.kept(stages, "place") as tick:
+                    stack = place_stack(recipe, surface, fields, tick=tick, **options)
         if key is not None and known is None:
             remember_features(key, stack.features)
         maps = chosen_maps(stack, settings.maps)

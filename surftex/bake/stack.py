@@ -1,7 +1,7 @@
 """The stack: patterns laid over one another by their masks, evaluated at samples."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from surftex.errors import InputError, RecipeError
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.sources import Field
-from surftex.kernels.pool import Tick
+from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.layers import CHANNELS, Pattern
 from surftex.randomness import stream
 from surftex.recipe.model import Recipe
@@ -140,6 +140,7 @@ def place_stack(
     fields: FieldSet,
     *,
     features: Features | None = None,
+    begun: Features | None = None,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> Stack:
@@ -155,6 +156,8 @@ def place_stack(
         The recipe's fields on that surface.
     features : mapping of str to structured array, optional
         Take these, as `Stack.features` had them, and place nothing anew.
+    begun : mapping of str to structured array, optional
+        Growths to go on from, named in the same way.
     threads : int, optional
         None means every core.
     tick : callable, optional
@@ -173,8 +176,10 @@ def place_stack(
     patterns, masks = [], []
     count = len(recipe.layer)
     for i in range(count):
-        given = None if features is None else _of_layer(features, i, _label(recipe, i))
-        told = None if tick is None else lambda share, i=i: tick((i + share) / count)
+        given = _named_for(begun or {}, i) or None
+        if features is not None:
+            given = _of_layer(features, i, _label(recipe, i))
+        told = _LayerTick(tick, i, count)
         pattern, mask = place_layer(recipe, i, surface, fields, features=given, threads=threads, tick=told)
         patterns.append(pattern)
         masks.append(mask)
@@ -280,11 +285,28 @@ def _prefix(index: int) -> str:
     return "" if index == 0 else f"layer{index + 1}_"
 
 
-def _of_layer(features: Features, index: int, label: str) -> dict[str, NDArray]:
+class _LayerTick(PartTick):
+    """Part of a layer in the placing of all; what grows in it goes by the layer's names."""
+
+    def __init__(self, tick: Tick | None, index: int, count: int) -> None:
+        super().__init__(tick, index / count, (index + 1) / count)
+        self.prefix = _prefix(index)
+
+    def keep(self, generation: int, last: int, make: Callable[[], Features]) -> None:
+        super().keep(
+            generation, last, lambda: {f"{self.prefix}{kind}": table for kind, table in make().items()}
+        )
+
+
+def _named_for(features: Features, index: int) -> dict[str, NDArray]:
+    """Features of one layer, by its own names."""
     prefix = _prefix(index)
     own = {kind.removeprefix(prefix): table for kind, table in features.items() if kind.startswith(prefix)}
-    if index == 0:
-        own = {kind: table for kind, table in own.items() if not _OTHER_LAYER.match(kind)}
+    return own if index else {kind: table for kind, table in own.items() if not _OTHER_LAYER.match(kind)}
+
+
+def _of_layer(features: Features, index: int, label: str) -> dict[str, NDArray]:
+    own = _named_for(features, index)
     if not own:
         raise RecipeError(
             f"{label}: the features file holds nothing for this layer; was it baked from another recipe?"

@@ -13,6 +13,29 @@ Progress = Callable[[str, float], None]
 """Told the name of a stage and its finished share, 0 to 1; may raise to cancel the bake."""
 
 
+class StageTick:
+    """Tells how far a stage is.
+
+    Parameters
+    ----------
+    stages : Stages
+        Of the bake.
+    name : str
+        Of the stage.
+    """
+
+    def __init__(self, stages: "Stages", name: str) -> None:
+        self.stages, self.name = stages, name
+
+    def __call__(self, share: float) -> None:
+        """Tell the finished share, 0 to 1."""
+        self.stages.tell(self.name, share)
+
+    def detail(self, text: str) -> None:
+        """Tell what is happening, such as a live count."""
+        self.stages.tell_detail(self.name, text)
+
+
 @dataclass
 class Stages:
     """Times each stage of a bake.
@@ -47,7 +70,7 @@ class Stages:
         """
         self.tell(name, 0.0)
         wall, cpu = time.perf_counter(), _cpu_s(children=children)
-        yield lambda share: self.tell(name, share)
+        yield StageTick(self, name)
         self.done.append(
             {
                 "name": name,
@@ -56,6 +79,20 @@ class Stages:
             }
         )
         self.tell(name, 1.0)
+
+    def tell_detail(self, name: str, text: str) -> None:
+        """Pass words on, where who watches has a method `detail`.
+
+        Parameters
+        ----------
+        name : str
+            Of the stage.
+        text : str
+            Such as a live count.
+        """
+        tell = getattr(self.progress, "detail", None)
+        if tell is not None:
+            tell(name, text)
 
     def tell(self, name: str, share: float) -> None:
         """Pass a share on.

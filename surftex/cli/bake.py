@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from surftex.cli.say import note, out
-from surftex.cli.watch import Watch
+from surftex.cli.watch import ColdWatch
 from surftex.errors import RecipeError
 
 if TYPE_CHECKING:
@@ -37,22 +37,16 @@ def run(options: Namespace) -> None:
     _check(folder, recipe, overwrite=options.overwrite)
 
     from surftex.bake.bake import run as bake_run
+    from surftex.bake.growing import Growth
     from surftex.bake.saving import save
     from surftex.kernels import store
 
     threads, cold = options.threads, not store.is_warm() and not options.quiet
-    with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
-
-        def told(stage: str, share: float) -> None:
-            nonlocal cold
-            if cold and stage != "load":  # by then the mesh is known to be good
-                cold = False
-                note("compiling kernels, once; this takes about half a minute")
-            watch(stage, share)
-
+    growth = None if options.growth is None else Growth(options.growth)
+    with ColdWatch(cold=cold, quiet=options.quiet, verbose=options.verbose) as watch:
         baked = bake_run(
-            recipe, features=options.features, threads=threads, tile=options.tile, progress=told,
-            remember=options.cache,
+            recipe, features=options.features, threads=threads, tile=options.tile, progress=watch,
+            remember=options.cache, growth=growth,
         )  # fmt: skip
         paths = save(baked, folder, overwrite=options.overwrite, threads=threads, progress=watch)
     store.mark_warm()

@@ -36,8 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SurftexError as problem:
         note(str(problem))
         return _quiet(problem.exit_code)
-    except KeyboardInterrupt:
-        note("interrupted; nothing was written")
+    except KeyboardInterrupt as cut:
+        note(str(cut) or "interrupted; nothing was written")
         return _quiet(INTERRUPTED)
     except BrokenPipeError:
         return _quiet(0)  # whoever reads has seen enough

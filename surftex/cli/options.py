@@ -153,6 +153,9 @@ def _bake(parser: Parser) -> None:
         "--unwrapper", choices=["auto", "xatlas", "uvunwrap"], help="who unwraps (default: auto)"
     )
     parser.add_argument("--features", metavar="FILE.npz", help="start from the features of an earlier bake")
+    parser.add_argument(
+        "--growth", metavar="FILE.npz", help="keep the growth of cells in this file, and go on from it"
+    )
     parser.add_argument("--displaced", action="store_true", help="write the displaced mesh as well")
     parser.add_argument(
         "--displaced-format",

@@ -40,6 +40,7 @@ class Watch:
         self.bar: Any = None
         self.tasks: dict[str, Any] = {}
         self.started: dict[str, float] = {}
+        self.details: dict[str, str] = {}
         terminal = sys.stderr is not None and sys.stderr.isatty()
         if terminal and not quiet and not verbose:
             from rich.console import Console
@@ -56,6 +57,20 @@ class Watch:
     def __exit__(self, *problem: Any) -> None:
         if self.bar is not None:
             self.bar.stop()
+
+    def detail(self, stage: str, text: str) -> None:
+        """Show what is happening in a stage.
+
+        Parameters
+        ----------
+        stage : str
+            As for a call.
+        text : str
+            Such as a live count.
+        """
+        self.details[stage] = text
+        if self.bar is not None and stage in self.tasks:
+            self.bar.update(self.tasks[stage], description=f"{TITLES.get(stage, stage)}: {text}")
 
     def __call__(self, stage: str, share: float) -> None:
         """Show the share of a stage.
@@ -75,5 +90,29 @@ class Watch:
             if stage not in self.started:
                 self.started[stage] = time.perf_counter()
             elif share == 1.0 and self.started[stage] >= 0:
-                note(f"{TITLES.get(stage, stage)}: {time.perf_counter() - self.started[stage]:.2f} s")
+                detail = f" ({self.details[stage]})" if stage in self.details else ""
+                note(f"{TITLES.get(stage, stage)}: {time.perf_counter() - self.started[stage]:.2f} s{detail}")
                 self.started[stage] = -1.0
+
+
+class ColdWatch(Watch):
+    """Watch that tells when kernels are to be compiled, once the mesh is known to be good.
+
+    Parameters
+    ----------
+    cold : bool
+        Whether they are not there yet.
+    **manner : Any
+        As for `Watch`.
+    """
+
+    def __init__(self, *, cold: bool, **manner: Any) -> None:
+        super().__init__(**manner)
+        self.cold = cold
+
+    def __call__(self, stage: str, share: float) -> None:
+        """As `Watch`."""
+        if self.cold and stage != "load":
+            self.cold = False
+            note("compiling kernels, once; this takes about half a minute")
+        super().__call__(stage, share)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from surftex.features.particle_growth import SLICE, Neighbours, Particles, near_lists
 from surftex.kernels.pool import slices
+from surftex.surface.points import SurfacePoints
 
 Push = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 """Force of a field at places (n, 2) of a tile, (n, 3); only x and y count."""
@@ -64,6 +65,21 @@ class PlaneGround:
         return (
             np.zeros(count, np.int32), place, np.full(count, self.diameter), np.full(count, self.aspect), direction,
         )  # fmt: skip
+
+    def points(self, particles: Particles) -> SurfacePoints:
+        """Stand in for the feet of particles, which no surface knows.
+
+        Parameters
+        ----------
+        particles : Particles
+            n of them.
+
+        Returns
+        -------
+        points : SurfacePoints
+            n times the first corner of face 0.
+        """
+        return SurfacePoints.trusted(particles.face, np.tile([1.0, 0.0, 0.0], (len(particles), 1)))
 
     def push(self, particles: Particles) -> NDArray[np.float64]:
         """Force of the field.

@@ -16,6 +16,7 @@ from surftex.errors import InputError
 from surftex.features.growth_law import GrowthLaw
 from surftex.kernels.pool import slices
 from surftex.randomness import Stream
+from surftex.surface.points import SurfacePoints
 
 SLICE = 4096
 """Particles that one call of a kernel looks after."""
@@ -144,6 +145,10 @@ class Ground(Protocol):
         """In squares of the local diameter."""
         ...
 
+    def points(self, particles: Particles) -> SurfacePoints:
+        """Feet of particles; in the plane they all lie on face 0."""
+        ...
+
     def births(self, numbers: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Face, place, scale, aspect and direction of births, from (n, 3) numbers in [0, 1)."""
         ...
@@ -242,10 +247,11 @@ def grow(
             f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, or raise --max-features"
         )
     constants = np.array([2 * law.damping, law.attraction, law.rise, law.ceiling])
-    particles = Particles.none() if start is None else start.chosen(np.arange(len(start)))
+    particles = Particles.none() if start is None else start
     end = law.generations if until is None else min(until, law.generations)
     while particles.generation < end:
         particles = _next_generation(ground, law, random, particles)
+        particles = particles.chosen(np.arange(len(particles)))  # who was told of the last ones may hold them
         if len(particles):
             radius = particles.radius(law)
             size = radius * np.sqrt(np.maximum(particles.aspect, 1 / particles.aspect))

@@ -9,7 +9,7 @@ import io
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +25,12 @@ MAX_KINDS = 64
 _MAX_HEADER = 10_000
 
 
-def save_features(path: str | Path, features: Mapping[str, NDArray[Any]]) -> None:
+def save_features(path: str | Path | BinaryIO, features: Mapping[str, NDArray[Any]]) -> None:
     """Write features; the same arrays always give the same bytes.
 
     Parameters
     ----------
-    path : path
+    path : path or file
         Of the file; replaced if it is there. `surftex.files.output` makes that safe.
     features : mapping of str to structured array
         By kind: ``face`` (int), ``barycentric`` (3 floats), then any numbers.

@@ -5,7 +5,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 
@@ -74,6 +74,12 @@ class PartTick:
         tell = getattr(self.tick, "detail", None)
         if tell is not None:
             tell(text)
+
+    def keep(self, generation: int, last: int, make: Callable[[], Any]) -> None:
+        """Offer what has grown so far: `make` gives it as features, as long as it is asked before the next offer."""
+        take = getattr(self.tick, "keep", None)
+        if take is not None:
+            take(generation, last, make)
 
 
 def thread_count(threads: int | None) -> int:

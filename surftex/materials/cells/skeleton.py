@@ -188,14 +188,24 @@ def grown(
     Raises
     ------
     RecipeError
-        If there would be too many.
+        If there would be too many, or `start` is older than the growth is to be.
     """
     law = cells.law
+    if start is not None and start.generation > law.generations:
+        raise RecipeError(
+            f"cells.generations: the saved growth is {start.generation} generations old, beyond the {law.generations} "
+            "asked for; ask for as many, or begin anew"
+        )
     told = PartTick(tick)
 
     def seen(particles: Particles) -> None:
         told.detail(f"{len(particles):,} particles, generation {particles.generation}")
         told(particles.generation / law.generations)
+        told.keep(
+            particles.generation,
+            law.generations,
+            lambda: {"particle": particle_table(particles, ground.points(particles))},
+        )
         if watch is not None:
             watch(particles)
 

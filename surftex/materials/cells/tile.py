@@ -18,10 +18,9 @@ from surftex.kernels.pool import PartTick, Tick, slices
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.pattern import cell_numbers, located, outline
 from surftex.materials.cells.relief import layers
-from surftex.materials.cells.skeleton import CELL, PARTICLE, chosen, grown, particle_table, particles_of
+from surftex.materials.cells.skeleton import CELL, chosen, grown, particle_table, particles_of
 from surftex.materials.layers import Layers
 from surftex.randomness import stream
-from surftex.surface.points import SurfacePoints
 
 _GROWTH = 0.8
 _SLICE = 1 << 15
@@ -211,8 +210,7 @@ def make_tile(
     made = dict(features or {})
     start = particles_of(made["particle"]) if "particle" in made else None
     particles = grown(cells, ground, seed, start=start, threads=threads, tick=PartTick(tick, 0.0, _GROWTH))
-    points = SurfacePoints.trusted(particles.face, np.tile([1.0, 0.0, 0.0], (len(particles), 1)))
-    made["particle"] = particle_table(particles, points) if len(particles) else np.zeros(0, PARTICLE)
+    made["particle"] = particle_table(particles, ground.points(particles))
     top = chosen(cells, ground, particles, threads)
     try:
         triangles = plane_triangles(top.place, side_mm, top.aspect, top.angle)
