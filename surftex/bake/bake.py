@@ -170,6 +170,7 @@ def _bake(
     from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
     from surftex.bake.growing import ground_key
+    from surftex.bake.looks import clamped_warnings
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
@@ -211,7 +212,7 @@ def _bake(
         seam = measured_seams(surface, atlas, pages)
     with stages.stage("scales"):
         scales = scale_report(surface, recipe)
-    warnings = surface.warnings + unwrapping.notes + atlas.notes
+    warnings = surface.warnings + unwrapping.notes + atlas.notes + clamped_warnings(pages)
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved

@@ -20,6 +20,7 @@ from surftex.charts.texels import Texels, default_gutter_px, texels
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
 from surftex.materials.layers import CHANNELS, RAW
+from surftex.optics import RangeTally
 from surftex.surface.surface import Surface
 
 TILE_TEXELS = 1 << 21
@@ -44,12 +45,18 @@ class Pages:
         Texels of core and gutter.
     tangents : (m, 3, 4) float64
         That the normals are told in.
+    mean : dict of str to float or (3,) float64
+        Of what each map of a channel shows of the surface; none of ids.
+    clamped : dict of str to int
+        Texels that show the surface and whose channel left its range, by channel; only those that did.
     """
 
     images: dict[str, NDArray[Any]]
     core: int
     mapped: int
     tangents: NDArray[np.float64]
+    mean: dict[str, Any]
+    clamped: dict[str, int]
 
 
 def chosen_maps(stack: Stack, asked: tuple[str, ...] | None) -> tuple[str, ...]:
@@ -129,7 +136,8 @@ def bake_pages(
     gutter = default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px
     images = {name: _page(name, resolution) for name in maps}
     mapped = np.zeros((resolution, resolution), bool)
-    core = 0
+    core, tally = 0, RangeTally()
+    total: dict[str, Any] = {name: 0.0 for name in images if name not in (*_FROM_HEIGHT, "region")}
     tools = _Tools(surface, atlas, maps, threads)
     for first, last in _tiles(resolution, tile_rows):
         margin = tools.margin_px(gutter) if last - first < resolution else 0
@@ -138,17 +146,21 @@ def bake_pages(
         share = (
             None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
         )
-        height = _evaluated(surface, stack, tile, (first, last), images, threads, share)
+        height = _evaluated(surface, stack, tile, (first, last), images, tally, threads, share)
         own = slice(*np.searchsorted(tile.texel, [first * resolution, last * resolution]))
         place = tile.texel[own]
         mapped.ravel()[place] = True
         core += int(np.count_nonzero(tile.core[own]))
+        shown = place[tile.core[own]]
+        for name in total:
+            page = images[name].reshape(resolution * resolution, -1)
+            total[name] = total[name] + page[shown].sum(axis=0, dtype=np.float64)
         for name, page in images.items():
             if name in _FROM_HEIGHT:
                 result = tools.map(name, tile, height)
                 page.reshape(resolution * resolution, *page.shape[2:])[place] = result[own]
                 del result
-        del tile, height, place  # or the next tile would be made beside this one
+        del tile, height, place, shown  # or the next tile would be made beside this one
     count = int(np.count_nonzero(mapped))
     if count == 0:
         raise InputError(f"no texel of {resolution} x {resolution} shows the surface; raise the resolution")
@@ -158,7 +170,8 @@ def bake_pages(
         for page in images.values():
             flat = page.reshape(mapped.size, -1)
             flat[free] = flat[source[free]]
-    return Pages(images, core, count, tools.tangents)
+    mean = {name: np.squeeze(value / max(core, 1)) for name, value in total.items()}
+    return Pages(images, core, count, tools.tangents, mean, tally.counts())
 
 
 def equalise_pages(
@@ -220,6 +233,7 @@ def _evaluated(
     tile: Texels,
     rows: tuple[int, int],
     images: dict[str, NDArray[Any]],
+    tally: RangeTally,
     threads: int | None,
     tick: Tick | None,
 ) -> NDArray[np.float32]:
@@ -246,11 +260,20 @@ def _evaluated(
 
     def work(first: int, last: int) -> None:
         chosen = order[first:last]
-        values = stack.at(samples.taken(chosen), asked)
+        texel = tile.texel[chosen]
+        own, shown = slice(None), tile.core[chosen]
+        if not whole:
+            own = (texel >= rows[0] * width) & (texel < rows[1] * width)
+            shown = shown & own
+        values = stack.at(
+            samples.taken(chosen),
+            asked,
+            told=lambda outside: tally.add(
+                {name: int(np.count_nonzero(at & shown)) for name, at in outside.items()}
+            ),
+        )
         if looked_around:
             height[chosen] = values["height_mm"]
-        texel = tile.texel[chosen]
-        own = slice(None) if whole else (texel >= rows[0] * width) & (texel < rows[1] * width)
         for name, page in pages.items():
             page[texel[own]] = values[_CHANNEL_OF.get(name, name)][own]
 

@@ -58,7 +58,13 @@ class Stack:
             for kind, table in pattern.features.items()
         }
 
-    def at(self, samples: Samples, channels: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    def at(
+        self,
+        samples: Samples,
+        channels: tuple[str, ...],
+        *,
+        told: Callable[[Mapping[str, NDArray[np.bool_]]], None] | None = None,
+    ) -> dict[str, NDArray[Any]]:
         """Evaluate at samples.
 
         Parameters
@@ -67,6 +73,9 @@ class Stack:
             n points with their footprints.
         channels : tuple of str
             What to hand back.
+        told : callable, optional
+            Told of each layer where its channels left their range, by channel, (n,) bool; where its mask is 0
+            it does not count.
 
         Returns
         -------
@@ -83,6 +92,8 @@ class Stack:
         for pattern, mask in zip(self.patterns, self.masks, strict=True):
             layers = pattern.at(samples)
             cover = covering(mask, samples)
+            if told is not None and layers.clamped:
+                told({name: at if cover is None else at & (cover > 0) for name, at in layers.clamped.items()})
             for channel in channels:
                 if channel in layers:
                     values[channel] = laid_over(values[channel], layers[channel], cover)

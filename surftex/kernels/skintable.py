@@ -7,6 +7,7 @@ import numpy as np
 from surftex.kernels.jit import kernel
 
 _WIDTH = 8
+_LESS, _MORE = np.float32(1 - 1e-6), np.float32(1 + 1e-6)
 
 
 @kernel
@@ -16,7 +17,8 @@ def read_table(grid, size, bounds, value, out, beyond):
     grid (k,) float32: rows of eight numbers, the first and the last three as logarithms; last parameter fastest;
     size (6,) int64: steps of each; bounds (6, 3) float32: low, high, and 1 where the steps are even, else their
     logarithms are; value (6, n) float32
-    -> out (n, 8) float32; adds to beyond (6,) int64 how many samples left the range.
+    -> out (n, 8) float32; adds to beyond (6,) int64 how many samples left the range, by more than
+    rounding.
     """
     low, scale = np.zeros(6, np.float32), np.zeros(6, np.float32)
     stride = np.zeros(6, np.int64)
@@ -35,7 +37,8 @@ def read_table(grid, size, bounds, value, out, beyond):
         for d in range(6):
             v = value[d, q]
             if v < bounds[d, 0] or v > bounds[d, 1]:
-                beyond[d] += 1
+                if v < bounds[d, 0] * _LESS or v > bounds[d, 1] * _MORE:
+                    beyond[d] += 1
                 v = min(max(v, bounds[d, 0]), bounds[d, 1])
             if bounds[d, 2] != 1.0:
                 v = np.float32(math.log(v))

@@ -128,15 +128,16 @@ def _occlusion_roughness_metallic(maps: "MapSet") -> NDArray[np.uint8]:
 
 
 def _extras(maps: "MapSet") -> dict[str, Any]:
-    """Tell where the height map is, and in what unit: glTF itself has no displacement."""
-    if "height" not in maps:
-        return {}
-    height = maps["height"]
-    return {
-        "surftex_height": {
+    """Tell what glTF itself has no place for: the height map with its unit, and how far light wanders below the surface."""
+    extras: dict[str, Any] = {}
+    if "height" in maps:
+        height = maps["height"]
+        extras["surftex_height"] = {
             "file": file_name(maps.stem, "height"),
             "unit": "mm",
             "least": float(height.min()),
             "greatest": float(height.max()),
         }
-    }
+    if maps.report.get("subsurface"):
+        extras["surftex_subsurface"] = dict(maps.report["subsurface"])
+    return extras

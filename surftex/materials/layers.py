@@ -1,7 +1,7 @@
 """What a material answers: named channels, one number or colour per sample."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
@@ -44,12 +44,16 @@ class Layers:
     ----------
     channels : mapping of str to (n,) or (n, 3) float32
         `height_mm` above the surface, `base_color` linear, the rest 0 to 1; `region` is int32.
+    clamped : mapping of str to (n,) bool
+        Where a channel left the range that looks are known for, and the end of the range is shown; only such channels.
     """
 
     channels: Mapping[str, NDArray]
+    clamped: Mapping[str, NDArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "channels", MappingProxyType(dict(self.channels)))
+        for name in ("channels", "clamped"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __getitem__(self, name: str) -> NDArray:
         return self.channels[name]

@@ -94,5 +94,27 @@ def mean_free_path(width_mm: ArrayLike, albedo: ArrayLike) -> NDArray[np.float64
     radius_mm : (...) float64
         ``width (1.85 - A + 7 |A - 0.8|^3)``.
     """
+    return np.asarray(width_mm) * _paths_per_width(albedo)
+
+
+def profile_width(radius_mm: ArrayLike, albedo: ArrayLike) -> NDArray[np.float64]:
+    """Width of Burley's profile that a mean free path stands for: the inverse of `mean_free_path`.
+
+    Parameters
+    ----------
+    radius_mm : (...) float
+        Mean free path.
+    albedo : (...) float
+        Diffuse colour.
+
+    Returns
+    -------
+    width_mm : (...) float64
+        The d of the profile.
+    """
+    return np.asarray(radius_mm) / _paths_per_width(albedo)
+
+
+def _paths_per_width(albedo: ArrayLike) -> NDArray[np.float64]:
     albedo = np.asarray(albedo, np.float64)
-    return np.asarray(width_mm) * (1.85 - albedo + 7 * np.abs(albedo - 0.8) ** 3)
+    return 1.85 - albedo + 7 * np.abs(albedo - 0.8) ** 3

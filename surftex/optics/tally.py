@@ -1,20 +1,19 @@
 """How many samples left their range, over all look-ups of a bake, whatever thread made them."""
 
 from collections import Counter
+from collections.abc import Mapping
 from threading import Lock
-
-from surftex.optics.appearance import SkinAppearance
 
 
 class RangeTally:
-    """Adds up `SkinAppearance.clamped`.
+    """Adds up how many samples left their range, by parameter; any thread may add.
 
     Examples
     --------
     >>> from surftex.optics import lookup
     >>> tally = RangeTally()
     >>> for melanin in (0.02, 0.9, 0.8):
-    ...     tally.add(lookup({"melanin": melanin}))
+    ...     tally.add(lookup({"melanin": melanin}).clamped)
     >>> tally.counts()
     {'melanin': 2}
     """
@@ -23,17 +22,16 @@ class RangeTally:
         self._lock = Lock()
         self._counts: Counter[str] = Counter()
 
-    def add(self, skin: SkinAppearance) -> None:
-        """Count what a look-up has moved.
+    def add(self, clamped: Mapping[str, int]) -> None:
+        """Count some more.
 
         Parameters
         ----------
-        skin : SkinAppearance
-            Of one look-up.
+        clamped : mapping of str to int
+            Such as `SkinAppearance.clamped`.
         """
-        if skin.clamped:
-            with self._lock:
-                self._counts.update(skin.clamped)
+        with self._lock:
+            self._counts.update({name: count for name, count in clamped.items() if count})
 
     def counts(self) -> dict[str, int]:
         """Tell the counts so far.

@@ -38,6 +38,22 @@ class Parameter:
     even: bool
     meaning: str
 
+    def outside(self, value: ArrayLike) -> NDArray[np.bool_]:
+        """Tell which values a table moves to the end of the range.
+
+        Parameters
+        ----------
+        value : (...) float
+            In the parameter's unit.
+
+        Returns
+        -------
+        outside : (...) bool
+            Whether it leaves the range by more than the rounding of float32.
+        """
+        value = np.asarray(value)
+        return (value < self.low * (1 - 1e-6)) | (value > self.high * (1 + 1e-6))
+
 
 PARAMETERS = {
     "pheomelanin": Parameter(0.0, 1.0, 0.13, True, "share of pheomelanin in the melanin"),

@@ -47,6 +47,9 @@ def test_what_leaves_its_range_is_moved_and_counted():
     skin = lookup({"melanin": [0.0, 0.02, 0.9, 0.5], "blood": 0.012})
     assert skin.clamped == {"melanin": 3}
     edge = lookup({"melanin": [0.002, 0.02, 0.45, 0.45]})
+    assert edge.clamped == {}
+    assert lookup({"stratum_corneum_cm": np.full(2, 0.01, np.float32) / 10}).clamped == {}  # rounding alone
+    assert lookup({"stratum_corneum_cm": [0.00099, 0.0041]}).clamped == {"stratum_corneum_cm": 2}
     assert np.array_equal(skin.base_color, edge.base_color)
 
 

@@ -18,6 +18,7 @@ from surftex.materials.skin.model import Skin
 from surftex.materials.skin.placing import likelihood, tension
 from surftex.materials.skin.points import PointKind
 from surftex.optics import lookup
+from surftex.optics.tissue import PARAMETERS
 from surftex.randomness import stream
 from surftex.surface.points import Samples
 from surftex.surface.surface import Surface
@@ -171,15 +172,13 @@ class SkinPattern:
     def _seen(self, column: Mapping[str, Float], furrow: Float) -> Layers:
         """Turn biology into what a renderer is told."""
         skin = self.skin
-        biology = {name: column[name] for name in BIOLOGY if not name.endswith("_mm")}
-        appearance = lookup(
-            {
-                **biology,
-                "stratum_corneum_cm": column["stratum_corneum_mm"] / 10,
-                "epidermis_cm": column["epidermis_mm"] / 10,
-            },
-            threads=1,
-        )
+        biology = {
+            name.replace("_mm", "_cm"): column[name] / (10 if name.endswith("_mm") else 1) for name in BIOLOGY
+        }
+        appearance = lookup(biology, threads=1)
+        clamped = {
+            name.replace("_cm", "_mm"): PARAMETERS[name].outside(biology[name]) for name in appearance.clamped
+        }
         hair = np.clip(column["hair"], 0, 1)
         color = appearance.base_color + hair[:, None] * (
             np.asarray(skin.follicle_color, np.float32) - appearance.base_color
@@ -197,5 +196,6 @@ class SkinPattern:
                 **{name: column[name].copy() for name in BIOLOGY},
                 "hair": hair,
                 "sebum": column["sebum"].copy(),
-            }
+            },
+            clamped,
         )

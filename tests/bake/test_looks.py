@@ -1,0 +1,84 @@
+"""What a report tells renderers, and of biology that left its range."""
+
+import json
+
+import numpy as np
+import pytest
+
+import surftex as sx
+from surftex.optics import blender_inputs, lookup
+
+PALE = {"variation": 0.0, "mottle": 0.0, "drift": 0.0, "flush": 0.0, "tan": 0.0, "pore_density": 0.0,
+        "relief_depth": 0.0, "relief_swell": 0.0, "relief_secondary": 0.0}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return sx.shapes.sphere(20, subdivisions=3)
+
+
+def skin(**changes):
+    return sx.Skin(**(PALE | changes))
+
+
+def test_what_leaves_its_range_is_counted_once_per_texel(ball):
+    usual = sx.bake(ball, skin(), resolution=64)
+    assert usual.report["clamped"] == {}
+    dark = sx.bake(ball, skin(melanin=0.8, stratum_corneum=0.05), resolution=64)
+    texels = dark.report["texels"]
+    assert dark.report["clamped"] == {"melanin": texels, "stratum_corneum_mm": texels}
+    assert any(
+        "melanin left its range" in text and "0.002 to 0.45" in text for text in dark.report["warnings"]
+    )
+    edge = sx.bake(ball, skin(melanin=0.45, stratum_corneum=0.04), resolution=64)
+    assert edge.report["clamped"] == {}
+    assert np.array_equal(dark["base_color"], edge["base_color"])
+
+
+def test_neither_tiles_nor_threads_change_the_count(ball):
+    mixed = skin(melanin=0.44, mottle=0.4)
+    counts = [
+        sx.bake(ball, mixed, resolution=64, tile=tile, threads=threads).report["clamped"]["melanin"]
+        for tile, threads in ((None, 2), (7, 1), (64, 1))
+    ]
+    assert counts[0] == counts[1] == counts[2]
+    assert 0 < counts[0] < 64 * 64
+
+
+def test_what_a_mask_hides_is_not_counted(ball, tmp_path):
+    path = tmp_path / "half.toml"
+    path.write_text(
+        'surftex = 1\n[[layer]]\nmaterial = "skin"\nmelanin = 0.9\nmask = "0"\n'
+        '[[layer]]\nmaterial = "skin"\npore_density = 0.0\n',
+        "utf-8",
+    )
+    assert sx.bake(ball, str(path), resolution=32).report["clamped"] == {}
+
+
+def test_report_and_glb_tell_the_same_subsurface(ball, tmp_path):
+    import pygltflib
+
+    maps = sx.bake(ball, skin(melanin=0.03), resolution=64)
+    told = maps.report["subsurface"]
+    look = lookup({"melanin": 0.03, "pheomelanin": 0.12, "blood": 0.014, "oxygenation": 0.78,
+                   "stratum_corneum_cm": 0.0015, "epidermis_cm": 0.008})  # fmt: skip
+    assert told["radius_mm"] == pytest.approx(look.subsurface_radius_mm[0], rel=1e-4)
+    maps.save(tmp_path / "out")
+    assert (tmp_path / "out" / told["map"]).is_file()
+    document = pygltflib.GLTF2().load(tmp_path / "out" / f"{maps.stem}.glb")
+    assert document.materials[0].extras["surftex_subsurface"] == told
+    sockets = maps.report["blender"]["inputs"]
+    whole = blender_inputs(look)[0]
+    assert sockets["Subsurface Radius"] == pytest.approx(whole["Subsurface Radius"], rel=1e-3)
+    assert set(sockets) <= {*whole, "Normal"}
+    images = [socket["image"] for socket in sockets.values() if isinstance(socket, dict)]
+    assert len(images) == 5
+    assert all((tmp_path / "out" / image).is_file() for image in images)
+    json.dumps(maps.report["blender"])
+
+
+def test_leather_has_no_subsurface(ball):
+    report = sx.bake(ball, sx.Leather(cell_size=8), resolution=32).report
+    assert report["subsurface"] == {}
+    assert "Subsurface Radius" not in report["blender"]["inputs"]
+    assert report["clamped"] == {}
