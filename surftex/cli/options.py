@@ -116,6 +116,7 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
             "match", "Match a render model to light in skin, over all its biology: a table.", epilog=_CODES
         )
     )
+    _preview(command("preview", "Shape a material live, in a window or in a browser.", epilog=_CODES))
     _render(command("render", "Draw a still of a mesh or of a bake's GLB."))
     cache = command("cache", "Look after the compiled kernels, and the unwraps and features that are kept.")
     action = cache.add_mutually_exclusive_group(required=True)
@@ -319,6 +320,35 @@ def _match(parser: Parser) -> None:
     )  # fmt: skip
     parser.add_argument("--overwrite", action="store_true", help="replace the table")
     parser.add_argument("--json", action="store_true", help="print the report on stdout")
+
+
+def _preview(parser: Parser) -> None:
+    parser.add_argument(
+        "subject", metavar="MESH|RECIPE.toml", help="a mesh file, or a recipe that names its own"
+    )
+    parser.add_argument("--material", metavar="NAME|FILE.toml", help="a preset, or a recipe (default: calf)")
+    parser.add_argument(
+        "--resolution", type=_whole, metavar="N", help="side of the page in texels (default: 1024)"
+    )
+    parser.add_argument("--seed", type=_whole, metavar="N", help="of everything random (default: 0)")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="changes",
+        help='change a parameter, such as leather.cell_size="2 mm"; may be repeated',
+    )  # fmt: skip
+    _scale(parser)
+    parser.add_argument(
+        "-o", "--out", metavar="FILE.toml", help="what `save` writes (default: ./<mesh>-<material>.toml)"
+    )
+    parser.add_argument("--picture", metavar="PICTURE.png", help="draw the window into a file, and end")
+    parser.add_argument("--web", action="store_true", help="serve a page to a browser instead of a window")
+    parser.add_argument(
+        "--host", metavar="NAME", default="127.0.0.1", help="of the page (default: 127.0.0.1)"
+    )
+    parser.add_argument("--port", type=_whole, metavar="N", default=0, help="of the page (default: any free)")
+    parser.add_argument("--threads", type=_whole, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument(
+        "--allow-outside", action="store_true", help="let a recipe name files outside its folder"
+    )
 
 
 def _render(parser: Parser) -> None:

@@ -43,6 +43,26 @@ def png_bytes(pixels: NDArray[Any]) -> bytes:
     return bytes(imagecodecs.png_encode(np.ascontiguousarray(pixels), level=1, filter=_UP, strategy=strategy))
 
 
+def jpeg_bytes(pixels: NDArray[np.uint8], *, quality: int = 88) -> bytes:
+    """Pack pixels as JPEG, for a picture that is looked at once.
+
+    Parameters
+    ----------
+    pixels : (h, w, 3) uint8
+        sRGB codes.
+    quality : int
+        0 to 100.
+
+    Returns
+    -------
+    data : bytes
+        Of a JPEG.
+    """
+    import imagecodecs
+
+    return imagecodecs.jpeg_encode(np.ascontiguousarray(pixels), level=quality)
+
+
 def read_png(path: str | Path) -> NDArray[Any]:
     """Read a PNG as it is.
 

@@ -131,9 +131,31 @@ class Live:
         self._fields: tuple[Any, FieldSet] | None = None
 
     @property
-    def patterns(self) -> tuple[Pattern, ...]:
-        """Of the layers as last drawn in full, from the lowest."""
-        return tuple(placed.pattern for placed in self._placed)
+    def stack(self) -> Stack:
+        """Patterns and masks as last drawn in full."""
+        masks = (
+            None if placed.layer.mask == 1 else placed.fields.scalar(placed.layer.mask)
+            for placed in self._placed
+        )
+        return Stack(tuple(placed.pattern for placed in self._placed), tuple(masks))
+
+    def channel(self, name: str) -> NDArray[Any]:
+        """Look up a channel as last drawn.
+
+        Parameters
+        ----------
+        name : str
+            height_mm, base_color, roughness, metallic or region.
+
+        Returns
+        -------
+        values : (t,) or (t, 3) array
+            At the mapped texels; as where no layer covers, before anything is drawn.
+        """
+        values = bare(name, len(self.texels))
+        for chosen, part in zip(self._chosen, self._values, strict=False):
+            values[chosen] = part[name]
+        return values
 
     def effort(self, recipe: Recipe) -> Effort:
         """Tell what drawing a recipe would take.
@@ -220,7 +242,7 @@ class Live:
             )
         )
         self._placed = placed  # from here on nothing can fail
-        counts = feature_counts(Stack(self.patterns, (None,) * len(placed)).features)
+        counts = feature_counts(self.stack.features)
         return self._shown(stacked, effort, counts, first_look=False)
 
     def _looked(self, recipe: Recipe, piece: Piece) -> Frame:

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surftex.errors import InputError, RecipeError, WorkError
+from surftex.errors import RecipeError
 from surftex.files.scene import Body
 from surftex.kernels.pool import slices
 from surftex.preview.bodies import bodies_of, factors_of, pyramid_of
 from surftex.preview.camera import UPS, Camera, camera_for
+from surftex.preview.pictures import check_picture, save_picture
 from surftex.preview.section import blended
 from surftex.preview.shading import Lit, lit, shaded
 from surftex.preview.studio import Studio, lamps_of, studio_named
@@ -129,20 +130,8 @@ def render_file(
     WorkError
         If it cannot be written.
     """
-    from surftex.files.images import png_bytes
-
-    target = Path(out)
-    if target.suffix.lower() != ".png":
-        raise InputError(f"{target}: pictures are PNG; let the name end in .png")
-    data = png_bytes(render(path, **options))
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        draft.write_bytes(data)
-        draft.replace(target)
-    except OSError as problem:
-        draft.unlink(missing_ok=True)
-        raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
-    return target
+    target = check_picture(out)
+    return save_picture(target, render(path, **options))
 
 
 def _visible(

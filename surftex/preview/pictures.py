@@ -1,0 +1,69 @@
+"""Pictures to files: PNG, whole or not at all."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError, WorkError
+
+
+def check_picture(path: str | os.PathLike[str]) -> Path:
+    """Check what a picture is to be called.
+
+    Parameters
+    ----------
+    path : path
+        Of the file.
+
+    Returns
+    -------
+    path : Path
+        The same.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in .png.
+    """
+    target = Path(path)
+    if target.suffix.lower() != ".png":
+        raise InputError(f"{target}: pictures are PNG; let the name end in .png")
+    return target
+
+
+def save_picture(path: str | os.PathLike[str], picture: NDArray[np.uint8]) -> Path:
+    """Write a picture.
+
+    Parameters
+    ----------
+    path : path
+        Of the file; one that is there is replaced, whole.
+    picture : (height, width, 3) uint8
+        sRGB codes.
+
+    Returns
+    -------
+    path : Path
+        Of the picture.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in .png.
+    WorkError
+        If it cannot be written.
+    """
+    from surftex.files.images import png_bytes
+
+    target = check_picture(path)
+    data = png_bytes(picture)
+    draft = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        draft.write_bytes(data)
+        draft.replace(target)
+    except OSError as problem:
+        draft.unlink(missing_ok=True)
+        raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
+    return target

@@ -1,0 +1,195 @@
+"""The window, off screen: the panel moves parameters, clicks draw on the surface, and the picture follows."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from surftex.errors import InputError, WorkError
+from surftex.preview.desk import Desk
+from surftex.preview.environment import environment
+from surftex.preview.overlays import distinct, seam_lines
+from surftex.preview.panel import hit, layout
+from surftex.preview.picking import pick
+from surftex.preview.studio import STUDIOS
+from surftex.recipe.read import recipe_from_text
+from surftex.surface.shapes import sphere
+
+RECIPE = """
+surftex = 1
+[bake]
+unwrapper = "uvunwrap"
+[[layer]]
+preset = "calf"
+cell_size = 2.0
+wrinkle_density = 0.0
+[[layer]]
+material = "leather"
+preset = "goat"
+cell_size = 2.0
+mask = 0.5
+"""
+SIZE = (720, 620)
+LEFT = SIZE[0] - 372
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return sphere(6.0, subdivisions=3)
+
+
+@pytest.fixture
+def desk(ball):
+    made = Desk(recipe_from_text(RECIPE), ball, resolution=128)
+    assert made.worker.wait()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def window(desk):
+    from surftex.preview.window import Window
+
+    try:
+        made = Window(desk, SIZE, off_screen=True)
+    except WorkError as problem:
+        pytest.skip(f"nothing to draw on: {problem}")
+    yield made
+    made.close()
+
+
+def chosen(window, text, kind="chip"):
+    return next(each for each in layout(window.desk, 372, SIZE[1]) if each.kind == kind and each.text == text)
+
+
+def click(window, item):
+    window.refresh()
+    window.press(LEFT + item.left + item.width / 2, item.top + item.height / 2)
+    window.release()
+
+
+def test_a_slider_of_the_window_changes_the_picture_and_undo_brings_it_back(window):
+    desk = window.desk
+    click(window, chosen(window, "cristae"))
+    assert desk.group == "cristae"
+    before = window.picture().astype(int)
+    slider = chosen(window, "crista height", "slider")
+    start = LEFT + slider.left + slider.share * slider.width
+    window.press(start, slider.top + 25)
+    assert window.drag(LEFT + slider.left + 0.9 * slider.width, slider.top + 25)
+    assert window.release()
+    assert desk.session.value("crista_height") == pytest.approx(0.9 * slider.action[1].high, rel=0.02)
+    assert desk.worker.wait()
+    after = window.picture().astype(int)
+    assert (np.abs(after - before)[:, : LEFT - 10].max(axis=2) > 8).mean() > 0.02
+    click(window, chosen(window, "undo"))
+    assert desk.worker.wait()
+    click(window, chosen(window, "cristae"))
+    assert np.abs(window.picture().astype(int) - before)[:, : LEFT - 10].max() <= 2
+    assert len(desk.session.history) == 0
+
+
+def test_clicks_draw_strokes_and_cut_sections(window, tmp_path):
+    desk = window.desk
+    middle = (LEFT / 2, SIZE[1] / 2)
+    assert not window.press(*middle)  # turning is the camera's
+    click(window, chosen(window, "section"))
+    assert window.press(middle[0] - 60, middle[1])
+    assert window.press(middle[0] + 60, middle[1] + 20)
+    assert desk.section is not None
+    assert desk.section.along_mm[-1] > 1
+    assert np.ptp(desk.section.height_mm) > 0.01
+    flat = window.picture()
+    click(window, chosen(window, "stroke"))
+    assert desk.section is None
+    assert (window.picture() != flat).any()
+    for shift in (-50, 0, 50):
+        window.press(middle[0] + shift, middle[1] + shift / 2)
+    click(window, chosen(window, "done"))
+    assert desk.session.value("direction") == "grain"
+    assert desk.session.value("stress") == "grain"
+    assert desk.worker.wait()
+    window.save_as = tmp_path / "made.toml"
+    click(window, chosen(window, "save"))
+    assert {each.name for each in tmp_path.iterdir()} == {"made.toml", "made-grain.json"}
+    assert "saved" in desk.message
+    click(window, chosen(window, "spots"))
+    window.press(*middle)
+    assert "spots" in desk.session.recipe.fields_
+    assert window.press(LEFT + 1, 1)
+    assert window.press(1, 1) is False  # past the surface
+
+
+def test_every_button_and_overlay_does_something(window):
+    desk = window.desk
+    plain = window.picture()
+    for name in ("seams", "charts", "regions", "features"):
+        click(window, chosen(window, name))
+        assert (window.picture()[:, : LEFT - 10] != plain[:, : LEFT - 10]).any(), name
+        click(window, chosen(window, name))
+    assert not desk.overlays
+    click(window, chosen(window, "raking"))
+    assert (window.picture()[:, : LEFT - 10] != plain[:, : LEFT - 10]).mean() > 0.05
+    click(window, chosen(window, "seed 0"))
+    assert desk.session.recipe.seed == 1
+    click(window, chosen(window, ">"))
+    assert desk.session.recipe.layer[0].preset != "calf"
+    click(window, next(each for each in layout(desk, 372, SIZE[1]) if each.action == ("do", "toggle", 1)))
+    assert desk.session.recipe.layer[1].mask == 0
+    click(window, chosen(window, "2 goat"))
+    assert desk.layer == 1
+    click(window, chosen(window, "colour"))
+    window.refresh()
+    red = next(each for each in layout(desk, 372, SIZE[1]) if each.kind == "slider")
+    window.press(LEFT + red.left + 1, red.top + 25)
+    assert desk.session.value("color", 1)[0] < 0.01
+    window.release()
+    with pytest.raises(InputError):
+        desk.choose(tool="hammer")
+    desk.do("set", "cell_size", -3)
+    assert "cell_size" in desk.message
+    items = layout(desk, 372, 420)
+    assert any("more below" in each.text for each in items)
+    assert hit(items, -5, -5) is None
+
+
+def test_picking_meets_the_nearest_face(ball):
+    point = pick(ball, [0.3, 0.2, 30.0], [0.0, 0.0, -2.0])
+    assert point is not None
+    place = point.positions(ball)[0]
+    np.testing.assert_allclose(place[:2], [0.3, 0.2], atol=1e-9)
+    assert place[2] > 5.8
+    assert pick(ball, [9.0, 0.0, 30.0], [0.0, 0.0, -1.0]) is None
+
+
+def test_light_from_around_has_the_boxes_where_the_studio_says():
+    picture = environment(STUDIOS["studio"], 64)
+    row, column = np.unravel_index(picture[..., 0].argmax(), picture.shape[:2])
+    towards = np.array(STUDIOS["studio"].boxes[0].towards)
+    towards /= np.linalg.norm(towards)
+    up, turn = np.cos((row + 0.5) / 64 * np.pi), ((column + 0.5) / 64 - 1) * np.pi
+    seen = np.array([np.sqrt(1 - up**2) * np.sin(turn), up, np.sqrt(1 - up**2) * np.cos(turn)])
+    assert min(np.linalg.norm(seen - np.array(box.towards) / np.linalg.norm(box.towards))
+               for box in STUDIOS["studio"].boxes) < 0.5  # fmt: skip
+    assert picture[0].mean() > picture[-1].mean()
+
+
+def test_neighbours_have_colours_of_their_own(desk):
+    colors = distinct(np.arange(-1, 40))
+    assert len(np.unique(colors, axis=0)) > 38
+    lines = seam_lines(desk.surface, desk.live.atlas)
+    assert lines.shape[1:] == (2, 3)
+    assert np.linalg.norm(lines[:, 0] - lines[:, 1], axis=1).min() > 0
+
+
+def test_without_a_display_it_says_so_in_one_line(meshes):
+    env = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    command = [sys.executable, "-m", "surftex", "preview", str(meshes / "torus.obj"), "--units", "mm"]
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
+    if not sys.platform.startswith("linux"):
+        pytest.skip("only Linux tells by its environment")
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    assert "no display" in done.stderr
