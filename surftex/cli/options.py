@@ -99,6 +99,13 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     _bake(
         command("bake", "Bake a material onto a mesh: maps, a GLB that shows them, a report.", epilog=_CODES)
     )
+    _tile(
+        command(
+            "tile",
+            "Grow leather from particles on a square that repeats: maps, a GLB, a report.",
+            epilog=_CODES,
+        )
+    )
     _batch(
         command(
             "batch", "Bake many meshes with many materials; what is done is not done again.", epilog=_CODES
@@ -179,6 +186,37 @@ def _bake(parser: Parser) -> None:
         help="take unwrap and features of an earlier bake from the cache (default: --cache)",
     )  # fmt: skip
     parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier bake")
+    parser.add_argument("--json", action="store_true", help="print the report on stdout")
+
+
+def _tile(parser: Parser) -> None:
+    parser.add_argument(
+        "subject", metavar="NAME|RECIPE.toml", help="a preset of cells, or a recipe with one layer of them"
+    )
+    parser.add_argument(
+        "--side", required=True, metavar="LENGTH", help='of the square, such as "40 mm"; six cells or more'
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder for the files (default: ./<name>-tile)")
+    parser.add_argument(
+        "--resolution", type=_whole, metavar="N", help="side of the maps in texels (default: 2048)"
+    )
+    parser.add_argument("--seed", type=_whole, metavar="N", help="of everything random (default: 0)")
+    parser.add_argument("--maps", metavar="A,B,...", help="such as height,normal (default: all but region)")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", dest="changes",
+        help="change a parameter, such as cells.relief=0.2; may be repeated",
+    )  # fmt: skip
+    parser.add_argument(
+        "--growth", metavar="FILE.npz", help="keep the growth in this file, and go on from it"
+    )
+    parser.add_argument(
+        "--max-features", type=_whole, metavar="N", help="refuse beyond this (default: 5000000)"
+    )
+    parser.add_argument("--threads", type=_whole, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument(
+        "--allow-outside", action="store_true", help="let a recipe name files outside its folder"
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace files of an earlier tile")
     parser.add_argument("--json", action="store_true", help="print the report on stdout")
 
 

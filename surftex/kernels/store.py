@@ -21,24 +21,35 @@ def folder() -> Path:
     return Path(given) if given else Path(platformdirs.user_cache_dir("surftex")) / "kernels"
 
 
-def is_warm() -> bool:
+def is_warm(work: str = "bake") -> bool:
     """Tell whether the kernels of this version have been compiled and kept.
+
+    Parameters
+    ----------
+    work : str
+        What they are for; a bake compiles most of them.
 
     Returns
     -------
     warm : bool
         False before the first bake, and after an update that changed a kernel.
     """
-    return _marker().exists()
+    return _marker(work).exists()
 
 
-def mark_warm() -> None:
-    """Note that the kernels of this version are compiled; a folder that cannot be written stays cold."""
-    if is_warm():
+def mark_warm(work: str = "bake") -> None:
+    """Note that the kernels of this version are compiled; a folder that cannot be written stays cold.
+
+    Parameters
+    ----------
+    work : str
+        As for `is_warm`.
+    """
+    if is_warm(work):
         return
     try:
         folder().mkdir(parents=True, exist_ok=True)
-        _marker().touch()
+        _marker(work).touch()
     except OSError:
         return
 
@@ -62,8 +73,8 @@ def clear() -> int:
     return len(ours)
 
 
-def _marker() -> Path:
-    return folder() / f"warm-{_version()}"
+def _marker(work: str) -> Path:
+    return folder() / f"warm-{_version()}{'' if work == 'bake' else f'-{work}'}"
 
 
 @cache

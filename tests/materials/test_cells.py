@@ -95,8 +95,10 @@ def test_a_tile_goes_on_from_saved_particles(tile):
     [
         ({"cell_size": 4.0}, 10.0, "too small for cells"),
         ({"cell_size": "1 + wear"}, 40.0, "cell_size: an expression needs a surface"),
-        ({"wrinkle_count": 2}, 40.0, "wrinkles need a surface"),
-        ({"potential": "wear"}, 40.0, "potential: a field needs a surface"),
+        ({"potential": "wear"}, 40.0, "cells.potential: 'wear': unknown field"),
+        ({"direction": "grain"}, 40.0, "unknown direction 'grain'"),
+        ({}, -3.0, "a tile of -3 mm is too small"),
+        ({"births": 5.0}, 4000.0, "more than the 5000000 allowed"),
     ],
 )
 def test_what_a_tile_cannot_be_is_said(changes, side, says):

@@ -294,8 +294,9 @@ class Cells(BaseModel):
         side_mm: float,
         seed: int = 0,
         *,
+        fields: Any = None,
         features: Mapping[str, np.ndarray] | None = None,
-        push: Callable[[np.ndarray], np.ndarray] | None = None,
+        max_features: int = 5_000_000,
         threads: int | None = None,
         tick: Callable[..., None] | None = None,
     ) -> "CellsTile":
@@ -307,10 +308,12 @@ class Cells(BaseModel):
             Of the square.
         seed : int
             Same seed and parameters: same tile.
+        fields : FieldSet, optional
+            Named numbers and directions, on `surftex.materials.cells.tile.sheet_of` the square; they should repeat.
         features : mapping of str to structured array, optional
             As for `place`.
-        push : callable, optional
-            Force of a field at places (n, 2) in millimetres, (n, 3); only x and y count.
+        max_features : int
+            Refuse beyond it.
         threads : int, optional
             None means every core; cannot change the result.
         tick : callable, optional
@@ -324,8 +327,11 @@ class Cells(BaseModel):
         Raises
         ------
         RecipeError
-            If the square is too small for its cells, or a parameter needs a surface.
+            If the square is too small for its cells, a parameter needs a surface, or there is no such field.
         """
         from surftex.materials.cells.tile import make_tile
 
-        return make_tile(self, side_mm, seed, features=features, push=push, threads=threads, tick=tick)
+        return make_tile(
+            self, side_mm, seed, fields=fields, features=features, max_features=max_features, threads=threads,
+            tick=tick,
+        )  # fmt: skip

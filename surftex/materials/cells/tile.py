@@ -1,6 +1,6 @@
 """A grown leather on a square that repeats: what leaves it on one side comes in on the other."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -13,14 +13,19 @@ from surftex.features.cell_mesh import paired
 from surftex.features.cell_outlines import CellPlanes, Outlines, plane_cells
 from surftex.features.cells_plane import LEAST_SIDE, plane_triangles
 from surftex.features.growth_plane import PlaneGround
+from surftex.fields.fieldset import FieldSet
 from surftex.fields.noise import Noise
 from surftex.kernels.pool import PartTick, Tick, slices
 from surftex.materials.cells.model import Cells
-from surftex.materials.cells.pattern import cell_numbers, located, outline
+from surftex.materials.cells.pattern import CHANNELS, cell_numbers, located, outline, wrinkle_left
 from surftex.materials.cells.relief import layers
 from surftex.materials.cells.skeleton import CELL, chosen, grown, particle_table, particles_of
+from surftex.materials.cells.tile_fields import tile_direction, tile_push
+from surftex.materials.cells.tile_wrinkles import nearest_wrinkle, tile_wrinkles
 from surftex.materials.layers import Layers
 from surftex.randomness import stream
+from surftex.surface.shapes import plane
+from surftex.surface.surface import Surface
 
 _GROWTH = 0.8
 _SLICE = 1 << 15
@@ -38,7 +43,7 @@ class CellsTile:
     side_mm : float
         Of the square.
     features : mapping of str to structured array
-        ``particle``, to go on from, and ``cell``.
+        ``particle``, to go on from, ``cell`` and ``wrinkle``.
     centre_mm : (c, 2) float64
         Of the cells.
     """
@@ -50,6 +55,8 @@ class CellsTile:
     planes: CellPlanes
     outlines: Outlines
     seed: int
+
+    channels = CHANNELS
 
     def at(self, place_mm: NDArray[np.floating], footprint_mm: float = 0.0) -> Layers:
         """Evaluate at places.
@@ -66,18 +73,29 @@ class CellsTile:
         layers : Layers
             As `CellsPattern.at`.
         """
+        from scipy.spatial import KDTree
+
         place = np.asarray(place_mm, np.float64) % self.side_mm
         count = len(place)
 
         def noise(name: str, size_mm: float, octaves: int = 1) -> NDArray[np.float32]:
             return self._noise(Noise(stream(self.seed, "cells", name), size_mm, octaves), place, footprint_mm)
 
-        start, cell, vector = self._near(place)
+        tree = KDTree(place, boxsize=self.side_mm)
+        start, cell, vector = self._near(place, tree)
+        wrinkle = share = None
+        table = self.features["wrinkle"]
+        if len(table):
+            wrinkle, along, length = nearest_wrinkle(
+                table, self.side_mm, place, tree, 1.5 * self.cells.wrinkle_width
+            )
+            share = np.where(np.isfinite(wrinkle), wrinkle_left(self.cells, along, length), 0)
+            share, wrinkle = share.astype(np.float32), wrinkle.astype(np.float32)
         found = located(
             self.cells, self.planes, self.outlines, start, cell, vector, noise, count,
             cell_numbers(self.seed, len(self.planes)), np.zeros(count, bool),
         )  # fmt: skip
-        return layers(self.cells, found(None, None), np.full(count, footprint_mm, np.float32))
+        return layers(self.cells, found(wrinkle, share), np.full(count, footprint_mm, np.float32))
 
     def page(
         self, resolution: int, *, threads: int | None = None, tick: Tick | None = None
@@ -118,13 +136,10 @@ class CellsTile:
         return {name: each.reshape(resolution, resolution, *each.shape[1:]) for name, each in whole.items()}
 
     def _near(
-        self, place: NDArray[np.float64]
+        self, place: NDArray[np.float64], tree: Any
     ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]:
         """Cells that may hold each place: rows, whose they are, and the place in their planes."""
-        from scipy.spatial import KDTree
-
         reach = _AROUND * self.planes.radius + self.cells.waviness * self.planes.scale
-        tree = KDTree(place, boxsize=self.side_mm)
         rows = tree.query_ball_point(self.centre_mm, np.minimum(reach, 0.49 * self.side_mm))
         count = np.fromiter((len(row) for row in rows), np.int64, len(rows))
         sample = (
@@ -153,13 +168,32 @@ class CellsTile:
         return (total / np.sqrt(square)).astype(np.float32)
 
 
+def sheet_of(side_mm: float) -> Surface:
+    """Make the square on which the fields of a tile are asked, and under which it is shown.
+
+    Parameters
+    ----------
+    side_mm : float
+        Of the tile.
+
+    Returns
+    -------
+    sheet : Surface
+        In the xy plane, its lower left corner at the origin, with an unwrap that fills the page.
+    """
+    if not (np.isfinite(side_mm) and side_mm > 0):
+        raise RecipeError(f"a tile of {side_mm:g} mm has no place for cells")
+    return plane(side_mm, cells=16)
+
+
 def make_tile(
     cells: Cells,
     side_mm: float,
     seed: int,
     *,
+    fields: FieldSet | None = None,
     features: Mapping[str, NDArray] | None = None,
-    push: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
+    max_features: int = 5_000_000,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> CellsTile:
@@ -173,10 +207,12 @@ def make_tile(
         Of the square.
     seed : int
         Of everything random.
+    fields : FieldSet, optional
+        Named numbers and directions, on `sheet_of` the tile.
     features : mapping of str to structured array, optional
         Of an earlier tile; with nothing but particles the growth goes on from them.
-    push : callable, optional
-        Force of a field at places (n, 2), (n, 3); only x and y count.
+    max_features : int
+        Refuse to give birth to more particles.
     threads : int, optional
         None means every core; cannot change the result.
     tick : callable, optional
@@ -190,26 +226,39 @@ def make_tile(
     Raises
     ------
     RecipeError
-        If the square is too small for its cells, or a parameter needs a surface.
+        If the square is too small for its cells, a parameter needs a surface, or there is no such field.
     """
     for key in ("cell_size", "cell_ratio"):
         if isinstance(getattr(cells, key), str):
             raise RecipeError(f"cells.{key}: an expression needs a surface; a tile takes a number")
-    for key in ("potential", "direction", "drift"):
-        if getattr(cells, key) is not None:
-            raise RecipeError(f"cells.{key}: a field needs a surface; a tile takes none")
-    if cells.wrinkle_count or cells.wrinkle_density:
-        raise RecipeError("cells.wrinkle_count: wrinkles need a surface; a tile takes none")
     size, aspect = float(cells.cell_size), float(cells.cell_ratio)
     if not side_mm >= LEAST_SIDE * size * max(aspect, 1.0):
         least = LEAST_SIDE * size * max(aspect, 1.0)
         raise RecipeError(
             f"a tile of {side_mm:g} mm is too small for cells of {size:g} mm; it takes {least:g} mm"
         )
-    ground = PlaneGround(side_mm, size, aspect, None, push)
+    sheet = sheet_of(side_mm) if fields is None else fields.surface
+    names = FieldSet(sheet) if fields is None else fields
+    direction, stress = (
+        None if name is None else tile_direction(sheet, names.direction(name))
+        for name in (cells.direction, cells.stress)
+    )
+    ground = PlaneGround(side_mm, size, aspect, direction, tile_push(cells, names, side_mm))
     made = dict(features or {})
     start = particles_of(made["particle"]) if "particle" in made else None
-    particles = grown(cells, ground, seed, start=start, threads=threads, tick=PartTick(tick, 0.0, _GROWTH))
+    if start is not None and not (start.place < side_mm).all():
+        raise RecipeError(
+            "cells: the saved particles lie outside the tile; did they grow on another, or on a mesh?"
+        )
+    particles = grown(
+        cells,
+        ground,
+        seed,
+        start=start,
+        most=max_features,
+        threads=threads,
+        tick=PartTick(tick, 0.0, _GROWTH),
+    )
     made["particle"] = particle_table(particles, ground.points(particles))
     top = chosen(cells, ground, particles, threads)
     try:
@@ -223,6 +272,7 @@ def make_tile(
     table["corner_mm"], table["sides"], table["scale_mm"] = planes.corner, planes.sides, planes.scale
     table["corner"] = regions
     made["cell"] = table
+    made["wrinkle"] = tile_wrinkles(cells, side_mm, seed, top.place, regions, stress)
     if tick is not None:
         tick(1.0)
     outlines: Any = outline(cells, planes, seed, threads)
