@@ -97,6 +97,8 @@ def match_to_file(
         If it cannot be written.
     """
     path = Path(path)
+    if not path.name or path.is_dir():
+        raise InputError(f"{path} is a folder; name the table too, such as {path / 'skin.npz'}")
     if path.suffix != ".npz":
         raise InputError(f"{path}: a table of skin is an .npz; name it {path.with_suffix('.npz').name}")
     if not path.absolute().parent.is_dir():

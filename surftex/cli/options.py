@@ -325,7 +325,12 @@ def _analyse(parser: Parser) -> None:
 
 
 def _match(parser: Parser) -> None:
-    parser.add_argument("--shader", metavar="NAME", default="ggx-lambert", help="(default: ggx-lambert)")
+    parser.add_argument(
+        "--shader",
+        metavar="NAME",
+        default="ggx-lambert",
+        help="ggx-lambert, principled (GGX over Disney's diffuse lobe) or ashikhmin-shirley (default: ggx-lambert)",
+    )
     parser.add_argument(
         "--engine", metavar="NAME", default="volume", help="volume, or biospec (default: volume)"
     )

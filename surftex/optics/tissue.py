@@ -115,6 +115,24 @@ def check_names(biology: dict[str, Any]) -> None:
             raise InputError(f"skin has no parameter {name!r}; known are {', '.join(PARAMETERS)}")
 
 
+_LIMITS = {
+    "index": (1.0, 3.0),
+    "papillary_cm": (0.001, 1.0),
+    "reticular_cm": (0.001, 10.0),
+    "melanin_g_per_l": (0.0, 1500.0),
+    "haemoglobin_g_per_l": (0.0, 400.0),
+    "bilirubin_g_per_l": (0.0, 5.0),
+    "reticular_blood": (0.0, 5.0),
+    "carotene_epidermis_g_per_l": (0.0, 1.0),
+    "carotene_dermis_g_per_l": (0.0, 1.0),
+    "collagen_index": (1.0, 3.0),
+    "collagen_radius_cm": (1e-7, 1e-4),
+    "collagen_volume": (0.01, 0.74),
+    "base_albedo": (0.0, 1.0),
+    "fold": (0.0, 0.9),
+}
+
+
 @dataclass(frozen=True)
 class Tissue:
     """What is the same all over a body. Defaults: Krishnaswamy and Baranoski 2004 [1]_, unless said otherwise.
@@ -169,10 +187,12 @@ class Tissue:
     facets: Literal["ggx", "biospec"] = "ggx"
 
     def __post_init__(self) -> None:
-        for name, low, high in (("base_albedo", 0.0, 1.0), ("fold", 0.0, 0.9)):
-            value = getattr(self, name)
-            if not low <= value <= high:
-                raise InputError(f"{name} is {value}; it goes from {low:g} to {high:g}")
+        for name, (low, high) in _LIMITS.items():
+            for value in np.atleast_1d(getattr(self, name)).tolist():
+                if not low <= value <= high:
+                    raise InputError(f"{name} is {value:g}; it goes from {low:g} to {high:g}")
+        if len(self.index) != 4:
+            raise InputError(f"index holds {len(self.index)} numbers; it takes one for each of 4 layers")
         for name, known in (("facets", ("ggx", "biospec")), ("melanin_spectrum", ("sarna", "melanosome"))):
             if getattr(self, name) not in known:
                 raise InputError(f"{name} is {getattr(self, name)!r}; known are {', '.join(known)}")

@@ -13,6 +13,7 @@ from surftex.bake.matching import load_table
 from surftex.errors import InputError
 from surftex.optics import lookup
 from surftex.optics.making import Making, make_table
+from surftex.optics.tissue import PARAMETERS
 
 SMALL = ["--nodes", "pheomelanin=1,melanin=2,epidermis_cm=2,stratum_corneum_cm=2,blood=2,oxygenation=1",
          "--paths", "300", "--beam-paths", "200", "--step-nm", "50"]  # fmt: skip
@@ -53,22 +54,33 @@ def test_a_table_is_written_and_found_again(folder):
     assert (look.base_color[0] > look.base_color[1]).all()
 
 
-def test_an_interrupted_run_leaves_no_table_and_is_gone_on_from(folder):
-    slow = [*SMALL[:2], "--paths", "20000", "--beam-paths", "0", "--threads", "1"]
+@pytest.mark.parametrize(("blow", "code"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
+def test_a_stopped_run_leaves_no_table_and_is_gone_on_from(folder, blow, code):
+    counts = dict.fromkeys(PARAMETERS, 1) | {"epidermis_cm": 4}
+    nodes = ",".join(f"{name}={count}" for name, count in counts.items())
+    slow = ["--nodes", nodes, "--paths", "4000", "--beam-paths", "0", "--step-nm", "50"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "surftex", "match", *slow], cwd=folder, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-m", "surftex", "match", *slow, "--threads", "1"],
+        cwd=folder,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     kept = folder / "cache" / "results"
-    for _ in range(1200):
+    for _ in range(12000):
         if kept.is_dir() and any(len(each.name) == 64 for each in kept.iterdir()):
             break
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
+        time.sleep(0.005)
+    process.send_signal(blow)
     _, said = process.communicate(timeout=60)
-    assert process.returncode == 130, said
-    assert "the same command goes on" in said
-    assert not list(folder.glob("*.npz"))
-    assert not [each for each in folder.iterdir() if each.name.startswith(".")]
+    assert process.returncode == code, said
+    assert ("the same command goes on" in said) == (blow == signal.SIGINT)
+    assert not [each.name for each in folder.iterdir() if each.name != "cache"]
+    again = match(folder, *slow, "--json")
+    assert again.returncode == 0, again.stderr
+    assert 1 <= json.loads(again.stdout)["pieces_of_earlier_runs"] < 5
+    whole = make_table(Making(nodes=counts, paths=4000, beam_paths=0, step_nm=50.0))
+    assert (folder / "skin-ggx-lambert.npz").read_bytes() == whole.to_bytes()
 
 
 def test_pieces_that_are_there_are_not_done_again():
@@ -91,7 +103,12 @@ def test_pieces_that_are_there_are_not_done_again():
         (["--nodes", "melanin=90"], "nodes of melanin are 90; they go from 1 to 33"),
         (["--nodes", "melanin"], "'melanin' sets nothing; write --nodes melanin=8,blood=6"),
         (["--paths", "3"], "paths is 3; it takes at least 100"),
-        (["--set", "fold=2"], "fold is 2.0; it goes from 0 to 0.9"),
+        (["--shader", "ggx-disney"], "no shader 'ggx-disney'; known are ggx-lambert, principled, ashikhmin-shirley"),
+        (["--set", "fold=2"], "fold is 2; it goes from 0 to 0.9"),
+        (["--set", "papillary_cm=-1"], "papillary_cm is -1; it goes from 0.001 to 1"),
+        (["--set", "haemoglobin_g_per_l=nan"], "haemoglobin_g_per_l is nan; it goes from 0 to 400"),
+        (["--set", "facets=flat"], "facets is 'flat'; known are ggx, biospec"),
+        (["--out", "."], ". is a folder; name the table too, such as skin.npz"),
         (["--set", "base_albdo=1"], "tissue has no 'base_albdo'"),
         (["--step-nm", "0"], "step_nm is 0; it goes from 1 to 50"),
         (["--out", "nowhere/skin.npz"], "there is no folder nowhere"),
