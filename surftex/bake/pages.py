@@ -5,9 +5,9 @@ layers are evaluated in slices of it. A tile reads a margin of rows beyond its o
 neighbours. Neither tiles nor slices change a byte.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from surftex.kernels.pool import Tick, slices
 from surftex.materials.layers import CHANNELS, RAW
 from surftex.optics import RangeTally
 from surftex.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from surftex.maps.page import PageMetric
 
 TILE_TEXELS = 1 << 21
 """Texels of a tile where none is asked for: half of a page of 2048 x 2048."""
@@ -133,11 +136,17 @@ def bake_pages(
     pages : Pages
         Every texel filled.
     """
+    from surftex.kernels.rows import repeat_rows, sum_rows
+
     gutter = default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px
     images = {name: _page(name, resolution) for name in maps}
     mapped = np.zeros((resolution, resolution), bool)
     core, tally = 0, RangeTally()
-    total: dict[str, Any] = {name: 0.0 for name in images if name not in (*_FROM_HEIGHT, "region")}
+    total = {
+        name: np.zeros(_table(page).shape[1])
+        for name, page in images.items()
+        if name not in (*_FROM_HEIGHT, "region")
+    }
     tools = _Tools(surface, atlas, maps, threads)
     for first, last in _tiles(resolution, tile_rows):
         margin = tools.margin_px(gutter) if last - first < resolution else 0
@@ -151,25 +160,23 @@ def bake_pages(
         place = tile.texel[own]
         mapped.ravel()[place] = True
         core += int(np.count_nonzero(tile.core[own]))
-        shown = place[tile.core[own]]
-        for name in total:
-            page = images[name].reshape(resolution * resolution, -1)
-            total[name] = total[name] + page[shown].sum(axis=0, dtype=np.float64)
+        shown = read_only_view(place[tile.core[own]], np.int64)
+        for name, sums in total.items():
+            sum_rows(shown, _table(images[name]), sums)
         for name, page in images.items():
             if name in _FROM_HEIGHT:
                 result = tools.map(name, tile, height)
-                page.reshape(resolution * resolution, *page.shape[2:])[place] = result[own]
+                _put(tile.texel, (first, last), resolution, result, _table(page))
                 del result
         del tile, height, place, shown  # or the next tile would be made beside this one
     count = int(np.count_nonzero(mapped))
     if count == 0:
         raise InputError(f"no texel of {resolution} x {resolution} shows the surface; raise the resolution")
     if count < mapped.size:
-        source = nearest_mapped(mapped, threads=threads).ravel()
-        free = np.flatnonzero(~mapped)
+        source = read_only_view(nearest_mapped(mapped, threads=threads).ravel(), np.int64)
+        free = read_only_view(np.flatnonzero(~mapped), np.int64)
         for page in images.values():
-            flat = page.reshape(mapped.size, -1)
-            flat[free] = flat[source[free]]
+            repeat_rows(free, source, _table(page))
     mean = {name: np.squeeze(value / max(core, 1)) for name, value in total.items()}
     return Pages(images, core, count, tools.tangents, mean, tally.counts())
 
@@ -221,6 +228,21 @@ def _page(name: str, resolution: int) -> NDArray[Any]:
     return np.zeros(shape, np.int32 if name == "region" else np.float32)
 
 
+def _table(page: NDArray[Any]) -> NDArray[Any]:
+    """See a page as rows of 1 or 3 numbers, one row for each texel."""
+    return page.reshape(-1, 1 if page.ndim == 2 else page.shape[2])
+
+
+def _put(
+    texel: NDArray[np.int64], rows: tuple[int, int], width: int, values: NDArray[Any], table: NDArray[Any]
+) -> None:
+    """Write values of texels into the table of a page, where they lie in the range of its rows."""
+    from surftex.kernels.rows import put_rows
+
+    value = read_only_view(values, table.dtype).reshape(len(texel), table.shape[1])
+    put_rows(read_only_view(texel, np.int64), rows[0] * width, rows[1] * width, value, table)
+
+
 def _tiles(resolution: int, rows: int | None) -> Iterator[tuple[int, int]]:
     rows = max(1, TILE_TEXELS // resolution) if rows is None else rows
     for first in range(0, resolution, rows):
@@ -247,35 +269,25 @@ def _evaluated(
     order = np.zeros(len(samples), np.int32)
     place = np.zeros(len(surface.faces) + 1, np.int64)
     order_by_face(read_only_view(samples.points.face, np.int32), place, order)
-    pages = {
-        name: page.reshape(width * width, *page.shape[2:])
-        for name, page in images.items()
-        if name not in _FROM_HEIGHT
-    }
-    looked_around = len(pages) < len(images)
+    tables = {name: _table(page) for name, page in images.items() if name not in _FROM_HEIGHT}
+    looked_around = len(tables) < len(images)
     height = np.zeros(len(samples) if looked_around else 0, np.float32)
     channels = {_CHANNEL_OF.get(name, name) for name in images}
     asked = tuple(name for name in CHANNELS if name in channels)
-    whole = tile.rows == rows
 
     def work(first: int, last: int) -> None:
         chosen = order[first:last]
         texel = tile.texel[chosen]
-        own, shown = slice(None), tile.core[chosen]
-        if not whole:
-            own = (texel >= rows[0] * width) & (texel < rows[1] * width)
-            shown = shown & own
-        values = stack.at(
-            samples.taken(chosen),
-            asked,
-            told=lambda outside: tally.add(
-                {name: int(np.count_nonzero(at & shown)) for name, at in outside.items()}
-            ),
-        )
+
+        def told(outside: Mapping[str, NDArray[np.bool_]]) -> None:
+            shown = tile.core[chosen] & (texel >= rows[0] * width) & (texel < rows[1] * width)
+            tally.add({name: int(np.count_nonzero(at & shown)) for name, at in outside.items()})
+
+        values = stack.at(samples.taken(chosen), asked, told=told)
         if looked_around:
             height[chosen] = values["height_mm"]
-        for name, page in pages.items():
-            page[texel[own]] = values[_CHANNEL_OF.get(name, name)][own]
+        for name, table in tables.items():
+            _put(texel, rows, width, values[_CHANNEL_OF.get(name, name)], table)
 
     slices(work, len(samples), size=_SLICE, threads=threads, tick=tick)
     return height
@@ -290,6 +302,7 @@ class _Tools:
         from surftex.maps.normal import surface_tangents
 
         self.tangents = surface_tangents(surface, atlas)
+        self.metric: PageMetric | None = None
 
     def margin_px(self, gutter: int) -> int:
         """Rows beyond a tile that its maps depend on."""
@@ -299,12 +312,19 @@ class _Tools:
 
     def map(self, name: str, tile: Texels, height_mm: NDArray[np.float32]) -> NDArray[Any]:
         """Make one of the maps that look around, at the texels of a tile."""
+        from surftex.maps.page import page_metric
+
+        if self.metric is None:
+            self.metric = page_metric(self.surface, self.atlas, tile.width, tile.height)
         if name == "normal":
             from surftex.maps.normal import normal_map
 
             return normal_map(
-                self.surface, self.atlas, tile, height_mm, tangents=self.tangents, threads=self.threads
-            )
+                self.surface, self.atlas, tile, height_mm,
+                tangents=self.tangents, metric=self.metric, threads=self.threads,
+            )  # fmt: skip
         from surftex.maps.occlusion import ambient_occlusion
 
-        return ambient_occlusion(self.surface, self.atlas, tile, height_mm, threads=self.threads)
+        return ambient_occlusion(
+            self.surface, self.atlas, tile, height_mm, metric=self.metric, threads=self.threads
+        )

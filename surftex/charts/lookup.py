@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import read_only_view
+
 
 def bilinear_stencil(
     uv: NDArray[np.float64], width: int, height: int
@@ -54,10 +56,12 @@ def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64
     value : (n,) or (n, c) float64
         Mixed from four texels each.
     """
+    from surftex.kernels.lookup import mix_texels
+
     height, width = image.shape[:2]
-    texel, weight = bilinear_stencil(uv, width, height)
-    values = image.reshape(width * height, -1)[texel].astype(np.float64)
-    mixed = (values * weight[..., None]).sum(axis=1)
+    texels = read_only_view(image, image.dtype).reshape(height * width, -1)
+    mixed = np.zeros((len(uv), texels.shape[1]))
+    mix_texels(texels, width, height, read_only_view(uv, np.float64), mixed)
     return mixed[:, 0] if image.ndim == 2 else mixed
 
 
@@ -74,8 +78,10 @@ def half(image: NDArray[Any]) -> NDArray[Any]:
     image : (height / 2, width / 2) or (height / 2, width / 2, c) array
         Of the same type.
     """
+    from surftex.kernels.lookup import halve
+
     height, width = image.shape[:2]
-    parts = image.reshape(height // 2, 2, width // 2, 2, *image.shape[2:])
-    return (parts[:, 0, :, 0] + parts[:, 0, :, 1] + parts[:, 1, :, 0] + parts[:, 1, :, 1]) * image.dtype.type(
-        0.25
-    )
+    texels = read_only_view(image, image.dtype).reshape(height * width, -1)
+    result = np.zeros((height // 2, width // 2, *image.shape[2:]), image.dtype)
+    halve(texels, width, result.reshape(-1, texels.shape[1]))
+    return result

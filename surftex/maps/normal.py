@@ -115,6 +115,7 @@ def normal_map(
     height_mm: ArrayLike,
     *,
     tangents: NDArray[np.float64] | None = None,
+    metric: PageMetric | None = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]:
     """Tangent-space normals of the surface raised by a height, at every mapped texel.
@@ -131,6 +132,8 @@ def normal_map(
         Height above the surface at each.
     tangents : (m, 3, 4) float64, optional
         From `surface_tangents`, if they are known already.
+    metric : PageMetric, optional
+        From `surftex.maps.page.page_metric`, if it is known already.
     threads : int, optional
         None means every core; it cannot change a byte.
 
@@ -139,7 +142,8 @@ def normal_map(
     encoded : (t, 3) float32
         Unit vectors along tangent, bitangent and normal; `texels.image` makes a picture of them.
     """
-    return NormalPage.of(surface, atlas, texels, tangents=tangents).encoded(height_mm, threads=threads)
+    page = NormalPage.of(surface, atlas, texels, tangents=tangents, metric=metric)
+    return page.encoded(height_mm, threads=threads)
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +160,12 @@ class NormalPage:
 
     @staticmethod
     def of(
-        surface: Surface, atlas: Atlas, texels: Texels, *, tangents: NDArray[np.float64] | None = None
+        surface: Surface,
+        atlas: Atlas,
+        texels: Texels,
+        *,
+        tangents: NDArray[np.float64] | None = None,
+        metric: PageMetric | None = None,
     ) -> "NormalPage":
         """Prepare a page.
 
@@ -170,6 +179,8 @@ class NormalPage:
             t mapped texels.
         tangents : (m, 3, 4) float64, optional
             From `surface_tangents`, if they are known already.
+        metric : PageMetric, optional
+            From `surftex.maps.page.page_metric`, if it is known already.
 
         Returns
         -------
@@ -180,7 +191,8 @@ class NormalPage:
         return NormalPage(
             surface, atlas, texels,
             read_only(surface_tangents(surface, atlas) if tangents is None else tangents),
-            page_metric(surface, atlas, texels.width, texels.height), border, texel_index(texels, border),
+            page_metric(surface, atlas, texels.width, texels.height) if metric is None else metric,
+            border, texel_index(texels, border),
         )  # fmt: skip
 
     def encoded(self, height_mm: ArrayLike, *, threads: int | None = None) -> NDArray[np.float32]:

@@ -14,7 +14,7 @@ from surftex.charts.atlas import Atlas
 from surftex.charts.texels import Texels, default_gutter_px
 from surftex.errors import InputError
 from surftex.kernels.pool import slices
-from surftex.maps.page import page_metric, read_only, stopped
+from surftex.maps.page import PageMetric, page_metric, read_only, stopped
 from surftex.surface.surface import Surface
 
 RADIUS_MM = 1.0
@@ -32,6 +32,7 @@ def ambient_occlusion(
     height_mm: ArrayLike,
     *,
     radius_mm: float = RADIUS_MM,
+    metric: PageMetric | None = None,
     threads: int | None = None,
 ) -> NDArray[np.float32]:
     """Measure how open a relief is to light, at every mapped texel.
@@ -49,6 +50,8 @@ def ambient_occlusion(
     radius_mm : float
         Relief farther off does not shade; nearer relief fades towards it. At most 16 texels, and no more than
         the gutter has, are looked at; where the radius is less than a texel, everything is open.
+    metric : PageMetric, optional
+        From `surftex.maps.page.page_metric`, if it is known already.
     threads : int, optional
         None means every core; it cannot change a byte.
 
@@ -67,7 +70,8 @@ def ambient_occlusion(
     if not (np.isfinite(radius_mm) and radius_mm > 0):
         raise InputError(f"radius_mm is {radius_mm}; it takes a length above 0")
     values = checked(height_mm, "height_mm", (len(texels),), np.float32)
-    metric = page_metric(surface, atlas, texels.width, texels.height)
+    if metric is None:
+        metric = page_metric(surface, atlas, texels.width, texels.height)
     step = _steps(surface, atlas, texels.width, radius_mm)
     rim = int(step[-1])
     width = texels.width + 2 * rim

@@ -174,7 +174,18 @@ class Samples:
         samples : Samples
             k samples.
         """
-        return Samples(
-            SurfacePoints.trusted(self.points.face[rows], self.points.barycentric[rows]),
-            self.footprint_mm[rows],
+        from surftex.kernels.rows import take_samples
+
+        count = len(rows)
+        face, weight = np.zeros(count, np.int32), np.zeros((count, 3))
+        footprint = np.zeros(count, np.float32)
+        take_samples(
+            read_only_view(rows, np.int32),
+            read_only_view(self.points.face, np.int32),
+            read_only_view(self.points.barycentric, np.float64),
+            read_only_view(self.footprint_mm, np.float32),
+            face,
+            weight,
+            footprint,
         )
+        return Samples(SurfacePoints.trusted(face, weight), footprint)

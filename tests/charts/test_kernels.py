@@ -5,6 +5,7 @@ import pytest
 
 from surftex.arrays import frozen
 from surftex.charts.fill import fill_nearest, nearest_mapped
+from surftex.charts.lookup import bilinear, half
 from surftex.charts.overlap import MARGIN_PX, overlapping_faces
 from surftex.charts.texels import texels
 from surftex.charts.unwrap import unwrap
@@ -113,3 +114,14 @@ def test_fill_takes_the_nearest_mapped_texel(seed):
 def test_fill_refuses_an_empty_page():
     with pytest.raises(InputError, match="no texel of the 4 x 3 page is mapped"):
         fill_nearest(np.zeros((3, 4)), np.zeros((3, 4), bool))
+
+
+@pytest.mark.parametrize("channels", [(), (3,)])
+def test_lookup_mixes_four_texels_and_halving_averages_them(channels):
+    draw = stream(3, "picture").uniform(8 * 12, 3).astype(np.float32)
+    image = draw.reshape(8, 12, 3) if channels else draw[:, 0].reshape(8, 12)
+    uv = stream(4, "places").uniform(200, 2) * 1.2 - 0.1
+    np.testing.assert_allclose(bilinear(image, uv), oracle.bilinear(image, uv), atol=1e-12)
+    smaller = half(image)
+    assert smaller.shape == (4, 6, *channels)
+    np.testing.assert_allclose(smaller, image.reshape(4, 2, 6, 2, *channels).mean(axis=(1, 3)), rtol=1e-6)

@@ -121,3 +121,19 @@ def nearest_mapped_distance(mapped):
             for r in range(mapped.shape[0])
         ]
     )
+
+
+def bilinear(image, uv):
+    """Mix the four texels around each place by their shares; u right, v up; beyond the page those at its edge."""
+    height, width = image.shape[:2]
+    mixed = []
+    for u, v in uv:
+        column, row = u * width - 0.5, (1 - v) * height - 0.5
+        total = 0.0
+        for r in (np.floor(row), np.floor(row) + 1):
+            for c in (np.floor(column), np.floor(column) + 1):
+                share = (1 - abs(row - r)) * (1 - abs(column - c))
+                texel = image[int(np.clip(r, 0, height - 1)), int(np.clip(c, 0, width - 1))]
+                total = total + share * texel.astype(float)
+        mixed.append(total)
+    return np.array(mixed)
