@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError
+from surftex.files.decoding import claimed, decoded, segments
 from surftex.files.reading import printable, read_bytes
 
 MOST_PIXELS = 2**26
@@ -16,8 +17,7 @@ MOST_LABELS = 8
 """Labels of a label map."""
 
 _GREY, _COLOR, _CMYK = 1, 3, 4
-_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
-"""Markers of a JPEG that are followed by the size of the picture."""
+_SCAN = 0xDA
 
 
 def read_exemplar(path: str | Path) -> NDArray[Any]:
@@ -88,61 +88,29 @@ def read_label_map(path: str | Path) -> NDArray[np.uint8]:
 
 
 def _png(data: bytes, name: str) -> NDArray[Any]:
-    import imagecodecs
-
-    if len(data) < 33 or data[12:16] != b"IHDR":
-        raise InputError(f"{name}: is cut off within its head; save the picture again")
-    width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
-    _check_size(width, height, name)
+    _check_size(data, name)
     if b"IEND" not in data[-64:]:
         raise InputError(f"{name}: is cut off; save the picture again")
-    try:
-        return imagecodecs.png_decode(data)
-    except (imagecodecs.PngError, ValueError) as problem:
-        raise InputError(f"{name}: is a damaged PNG ({_reason(problem)}); save it again") from None
+    return decoded(data, name)
 
 
 def _jpeg(data: bytes, name: str) -> NDArray[Any]:
-    import imagecodecs
-
-    width, height, bands, scan = _jpeg_head(data, name)
-    _check_size(width, height, name)
+    bands = _check_size(data, name)
     if bands == _CMYK:
         raise InputError(f"{name}: is CMYK, for printers; convert it to RGB")
     if bands not in (_GREY, _COLOR):
         raise InputError(f"{name}: has {bands} bands; a picture is grey, or red, green and blue")
+    (scan,) = [at for at, marker in segments(data) if marker == _SCAN] or [len(data)]
     if b"\xff\xd9" not in data[scan:]:
         raise InputError(f"{name}: is cut off; save the picture again")
-    try:
-        return imagecodecs.jpeg_decode(data)
-    except (imagecodecs.JpegError, ValueError, NotImplementedError) as problem:
-        raise InputError(f"{name}: is a damaged JPEG ({_reason(problem)}); save it again") from None
+    return decoded(data, name)
 
 
-def _jpeg_head(data: bytes, name: str) -> tuple[int, int, int, int]:
-    """Width, height and bands of a JPEG, and where its first scan starts."""
-    at, found = 2, None
-    while at + 4 <= len(data) and data[at] == 0xFF:
-        marker = data[at + 1]
-        if marker == 0xFF or 0xD0 <= marker <= 0xD8:
-            at += 1 if marker == 0xFF else 2
-            continue
-        length = int.from_bytes(data[at + 2 : at + 4], "big")
-        if marker in _FRAMES and at + 10 <= len(data):
-            height, width = (int.from_bytes(data[at + k : at + k + 2], "big") for k in (5, 7))
-            found = width, height, data[at + 9]
-        if marker == 0xDA and found:
-            return *found, at
-        at += 2 + max(2, length)
-    raise InputError(f"{name}: is cut off within its head; save the picture again")
-
-
-def _check_size(width: int, height: int, name: str) -> None:
+def _check_size(data: bytes, name: str) -> int:
+    """Refuse what would take too long to learn from; the number of channels."""
+    width, height, channels = claimed(data, name)
     if width * height > MOST_PIXELS:
         raise InputError(
             f"{name}: has {width} x {height} pixels; scale it down to {MOST_PIXELS} in all, or cut a part out"
         )
-
-
-def _reason(problem: Exception) -> str:
-    return printable(str(problem).splitlines()[0]) if str(problem) else type(problem).__name__
+    return channels

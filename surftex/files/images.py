@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError, WorkError
+from surftex.files.decoding import decoded, kind_of, read_exr_channels
 
 _UP, _RUNS, _ROWS = 32, 3, 64
 
@@ -81,12 +82,13 @@ def read_png(path: str | Path) -> NDArray[Any]:
     InputError
         If there is no such file, or it is no PNG.
     """
-    import imagecodecs
-
     try:
-        return imagecodecs.png_decode(Path(path).read_bytes())
-    except (OSError, ValueError, imagecodecs.PngError) as problem:
-        raise InputError(f"{path}: no readable PNG: {problem}") from None
+        data = Path(path).read_bytes()
+    except OSError as problem:
+        raise InputError(f"{path}: no readable PNG: {problem.strerror}") from None
+    if kind_of(data) != "PNG":
+        raise InputError(f"{path}: no readable PNG")
+    return decoded(data, str(path))
 
 
 def srgb_codes(linear: NDArray[np.floating]) -> NDArray[np.uint8]:
@@ -203,12 +205,10 @@ def read_exr(path: str | Path) -> dict[str, NDArray[Any]]:
     InputError
         If there is no such file, or it is no EXR.
     """
-    import OpenEXR
-
     if not Path(path).is_file():
         raise InputError(f"{path}: no such file")
-    try:
-        with OpenEXR.File(str(path)) as file:
-            return {name: np.array(channel.pixels) for name, channel in file.channels().items()}
-    except (RuntimeError, ValueError) as problem:
-        raise InputError(f"{path}: no readable EXR: {str(problem).splitlines()[0]}") from None
+    channels = read_exr_channels(path)
+    if {"R", "G", "B"} <= set(channels):
+        color = [channels.pop(name) for name in "RGB"]
+        channels["RGB"] = np.stack(color, axis=-1)
+    return channels

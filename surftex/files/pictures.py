@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
+from surftex.files.decoding import decoded, kind_of, read_exr_channels
 
 _LARGEST_BYTES = 2**30
-_MOST_PIXELS = 2**28
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Shares of red, green and blue in the luminance of linear light (Rec. 709)."""
@@ -112,13 +112,10 @@ def _pixels(path: str | Path) -> NDArray[Any]:
         data = file.read_bytes()
     except OSError as problem:
         raise RecipeError(f"the picture {str(file)!r} cannot be read: {problem.strerror}") from None
-    try:
-        pixels = _decoded(file, data)
-    except RecipeError:
-        raise
-    except Exception as problem:  # noqa: BLE001  (decoders raise whatever they like on broken files)
-        reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
-        raise RecipeError(f"the picture {str(file)!r} cannot be decoded: {reason}") from None
+    name = f"the picture {str(file)!r}"
+    if not kind_of(data):
+        raise RecipeError(f"{name} is none of PNG, JPEG, TIFF and EXR")
+    pixels = _exr(file) if kind_of(data) == "EXR" else decoded(data, name, error=RecipeError)
     if pixels.ndim == 2:
         pixels = pixels[..., None]
     if pixels.ndim != 3 or pixels.size == 0:
@@ -126,29 +123,9 @@ def _pixels(path: str | Path) -> NDArray[Any]:
     return pixels
 
 
-def _decoded(file: Path, data: bytes) -> NDArray[Any]:
-    import imagecodecs
-
-    if data.startswith(b"\x89PNG"):
-        width, height = (int.from_bytes(data[at : at + 4], "big") for at in (16, 20))
-        if width * height > _MOST_PIXELS:
-            raise RecipeError(
-                f"the picture {str(file)!r} has {width} x {height} pixels; that is too many for a mask"
-            )
-        return imagecodecs.png_decode(data)
-    if data.startswith(b"\xff\xd8"):
-        return imagecodecs.jpeg_decode(data)
-    if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-        return imagecodecs.tiff_decode(data)
-    if data.startswith(b"v/1\x01"):
-        return _exr(file)
-    raise RecipeError(f"the picture {str(file)!r} is none of PNG, JPEG, TIFF and EXR")
-
-
 def _exr(file: Path) -> NDArray[np.float64]:
-    import OpenEXR
-
-    with OpenEXR.File(str(file), separate_channels=True) as opened:
-        channels = opened.channels()
-        order = [name for name in ("R", "G", "B", "A") if name in channels] or sorted(channels)[:1]
-        return np.stack([np.asarray(channels[name].pixels, np.float64) for name in order], axis=-1)
+    channels = read_exr_channels(file, error=RecipeError)
+    order = [name for name in ("R", "G", "B", "A") if name in channels] or sorted(channels)[:1]
+    if not order or len({channels[name].shape for name in order}) > 1:
+        raise RecipeError(f"the picture {str(file)!r} has no channels, or channels of different sizes")
+    return np.stack([channels[name].astype(np.float64) for name in order], axis=-1)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import MeshFileError
+from surftex.files.decoding import decoded, kind_of
 from surftex.files.gltf import _beside, _buffer, _parted
 from surftex.files.gltfaccessor import Document
 from surftex.files.gltfscene import _matrix, _roots, _triangles
@@ -67,6 +68,28 @@ def read_scene(path: str | os.PathLike[str]) -> list[Body]:
     MeshFileError
         If the file is broken.
     """
+    try:
+        with np.errstate(all="ignore"):
+            return _bodies(path)
+    except (
+        TypeError,
+        ValueError,
+        KeyError,
+        IndexError,
+        AttributeError,
+        OverflowError,
+        np.linalg.LinAlgError,
+    ) as problem:
+        if isinstance(problem, MeshFileError):
+            raise
+        shown = printable(os.fspath(path))
+        raise MeshFileError(
+            f"{shown}: holds what no glTF file may ({printable(str(problem), longest=80)})"
+        ) from None
+
+
+def _bodies(path: str | os.PathLike[str]) -> list[Body]:
+    """Walk the nodes of a file and read what hangs on them."""
     import json
 
     where, folder = printable(os.fspath(path)), Path(path).parent
@@ -186,8 +209,6 @@ def _look(
 
 def _picture(document: Document, texture: Any, folder: Path) -> NDArray[Any] | None:
     """Decode a picture of a texture; None where it has a format that is not read."""
-    import imagecodecs
-
     source = document.item("textures", texture).get("source")
     if source is None:
         return None
@@ -198,12 +219,9 @@ def _picture(document: Document, texture: Any, folder: Path) -> NDArray[Any] | N
         data = read_bytes(
             _beside(document, str(image.get("uri", "")), f"images[{source}]", folder), purpose="picture"
         )
-    if data[:4] == b"\x89PNG":
-        pixels = imagecodecs.png_decode(data)
-    elif data[:2] == b"\xff\xd8":
-        pixels = imagecodecs.jpeg_decode(data)
-    else:
+    if kind_of(data) not in ("PNG", "JPEG"):
         return None
+    pixels = decoded(data, f"{document.where}: images[{source}]", error=MeshFileError)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, axis=2)
     return pixels[..., :3]

@@ -6,6 +6,7 @@ table: it keeps the nodes, with the settings that made them, and spreads them ou
 
 import io
 import json
+import zipfile
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib.resources import files
@@ -25,6 +26,7 @@ COLUMNS = ("red", "green", "blue", "reflectance", "roughness", "wide_red", "wide
 
 _LOGARITHMIC = np.array([True, True, True, False, False, True, True, True])
 _LEAST = 1e-4
+_MOST_BYTES = 2**28
 _DENSE = {
     "pheomelanin": 5,
     "melanin": 15,
@@ -131,6 +133,9 @@ class SkinTable:
             If it is something else, or damaged.
         """
         try:
+            with zipfile.ZipFile(io.BytesIO(data)) as archive:
+                if sum(entry.file_size for entry in archive.infolist()) > _MOST_BYTES:
+                    raise ValueError("it unfolds to too much")
             with np.load(io.BytesIO(data), allow_pickle=False) as archive:
                 values = archive["values"].astype(np.float64)
                 settings = json.loads(archive["settings"].tobytes())

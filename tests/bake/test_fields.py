@@ -121,11 +121,11 @@ def test_pictures_of_every_kind(tmp_path):
     [
         (b"", "none of PNG, JPEG, TIFF and EXR"),
         (b"GIF89a", "none of PNG"),
-        (b"\x89PNG\r\n\x1a\n" + b"\0" * 30, "cannot be decoded"),
-        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + b"\x7f\xff\xff\xff" * 2 + b"\x08\0\0\0\0", "too many for a mask"),
-        (b"\xff\xd8\xff", "cannot be decoded"),
-        (b"II*\0" + b"\xff" * 40, "cannot be decoded"),
-        (b"v/1\x01" + b"\0" * 40, "cannot be decoded"),
+        (b"\x89PNG\r\n\x1a\n" + b"\0" * 30, "damaged"),
+        (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + b"\x7f\xff\xff\xff" * 2 + b"\x08\0\0\0\0", "more than the"),
+        (b"\xff\xd8\xff", "damaged"),
+        (b"II*\0" + b"\xff" * 40, "damaged"),
+        (b"v/1\x01" + b"\0" * 40, "damaged"),
     ],
 )
 def test_broken_pictures_are_refused_in_a_line(tmp_path, data, says):

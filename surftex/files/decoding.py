@@ -1,0 +1,237 @@
+"""Pictures from bytes: what a file claims to unfold to is read from its head, and refused before it costs memory."""
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surftex.errors import InputError
+from surftex.files.reading import printable
+
+MOST_NUMBERS = 2**28
+"""Pixels times channels of a picture beyond which it is not decoded: 16384 x 16384 of one channel."""
+
+_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
+"""Markers of a JPEG that are followed by the size of the picture."""
+
+_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+_WIDTH, _HEIGHT, _SAMPLES = 256, 257, 277
+_CHANNELS = {0: 1, 2: 3, 3: 4, 4: 2, 6: 4}
+"""Channels by the colour type of a PNG; a palette unfolds to as many as 4."""
+
+
+def decoded(data: bytes, name: str, *, error: type[InputError] = InputError) -> NDArray[Any]:
+    """Unpack a PNG, JPEG or TIFF.
+
+    Parameters
+    ----------
+    data : bytes
+        Of the whole file.
+    name : str
+        What messages call it.
+    error : type
+        Of the failure.
+
+    Returns
+    -------
+    pixels : (h, w) or (h, w, c) array
+        As the file has them; row 0 on top.
+
+    Raises
+    ------
+    InputError
+        Of the type `error`, if it is none of these, damaged, or unfolds to more than `MOST_NUMBERS` numbers.
+    """
+    import imagecodecs
+
+    kinds = {"PNG": imagecodecs.png_decode, "JPEG": imagecodecs.jpeg_decode, "TIFF": imagecodecs.tiff_decode}
+    kind = kind_of(data)
+    if kind not in kinds:
+        raise error(f"{name}: is none of {', '.join(kinds)}")
+    claimed(data, name, error=error)
+    try:
+        return kinds[kind](data)
+    except Exception as problem:  # noqa: BLE001  (decoders raise whatever they like on broken files)
+        reason = printable(str(problem).splitlines()[0]) if str(problem) else type(problem).__name__
+        raise error(f"{name}: is a damaged {kind} ({reason}); save it again") from None
+
+
+def kind_of(data: bytes) -> str:
+    """Tell the format of a picture by its first bytes.
+
+    Parameters
+    ----------
+    data : bytes
+        At least the beginning of the file.
+
+    Returns
+    -------
+    kind : str
+        ``PNG``, ``JPEG``, ``TIFF``, ``EXR``, or nothing.
+    """
+    if data[:4] == b"\x89PNG":
+        return "PNG"
+    if data[:2] == b"\xff\xd8":
+        return "JPEG"
+    return "TIFF" if data[:4] in _TIFF else "EXR" if data[:4] == b"v/1\x01" else ""
+
+
+def claimed(data: bytes, name: str, *, error: type[InputError] = InputError) -> tuple[int, int, int]:
+    """Read what a picture claims to be; refuse it where that is more than could be meant.
+
+    Parameters
+    ----------
+    data : bytes
+        At least the head of the file.
+    name : str
+        What messages call it.
+    error : type
+        Of the failure.
+
+    Returns
+    -------
+    width : int
+        Pixels of a row.
+    height : int
+        Rows.
+    channels : int
+        Numbers of a pixel.
+
+    Raises
+    ------
+    InputError
+        Of the type `error`, if the head is cut off, or claims nothing, or more than `MOST_NUMBERS`.
+    """
+    claims = {"PNG": _png_claim, "JPEG": _jpeg_claim, "TIFF": _tiff_claim, "EXR": _exr_claim}
+    try:
+        width, height, channels = claims[kind_of(data)](data)
+    except (struct.error, IndexError, ValueError):
+        raise error(f"{name}: is cut off within its head, or damaged; save the picture again") from None
+    if width < 1 or height < 1 or channels < 1:
+        raise error(
+            f"{name}: claims {width} x {height} pixels of {channels} channels; save the picture again"
+        )
+    if width * height * channels > MOST_NUMBERS:
+        raise error(
+            f"{name}: claims {width} x {height} pixels of {channels} channels, more than the {MOST_NUMBERS} "
+            "numbers that are read; scale it down"
+        )
+    return width, height, channels
+
+
+def read_exr_channels(path: str | Path, *, error: type[InputError] = InputError) -> dict[str, NDArray[Any]]:
+    """Read the channels of an EXR file, each by its own name.
+
+    Parameters
+    ----------
+    path : path
+        Of a file that is there.
+    error : type
+        Of the failure.
+
+    Returns
+    -------
+    channels : dict of str to (h, w) array
+        Copies; row 0 on top.
+
+    Raises
+    ------
+    InputError
+        Of the type `error`, if it is damaged, or unfolds to more than `MOST_NUMBERS` numbers.
+    """
+    import OpenEXR
+
+    name = printable(str(path))
+    with Path(path).open("rb") as file:
+        head = file.read(2**16)
+    if kind_of(head) != "EXR":
+        raise error(f"{name}: no readable EXR")
+    claimed(head, name, error=error)
+    try:
+        with OpenEXR.File(str(path), separate_channels=True) as opened:
+            return {key: np.array(channel.pixels) for key, channel in opened.channels().items()}
+    except Exception as problem:  # noqa: BLE001  (as above)
+        reason = printable(str(problem).splitlines()[0]) if str(problem) else type(problem).__name__
+        raise error(f"{name}: no readable EXR: {reason}") from None
+
+
+def _png_claim(data: bytes) -> tuple[int, int, int]:
+    if data[12:16] != b"IHDR":
+        raise ValueError("no IHDR")
+    width, height, _, color = struct.unpack_from(">IIBB", data, 16)
+    return width, height, _CHANNELS.get(color, 4)
+
+
+def _jpeg_claim(data: bytes) -> tuple[int, int, int]:
+    for at, marker in segments(data):
+        if marker in _FRAMES:
+            height, width, channels = struct.unpack_from(">HHB", data, at + 5)
+            return width, height, channels
+    raise ValueError("no frame")
+
+
+def segments(data: bytes) -> Iterator[tuple[int, int]]:
+    """Walk over the segments of a JPEG, up to its first scan.
+
+    Parameters
+    ----------
+    data : bytes
+        Of the file.
+
+    Yields
+    ------
+    at : int
+        Where a segment begins.
+    marker : int
+        Its kind.
+    """
+    at = 2
+    while at + 4 <= len(data) and data[at] == 0xFF:
+        marker = data[at + 1]
+        if marker == 0xFF or 0xD0 <= marker <= 0xD8:
+            at += 1 if marker == 0xFF else 2
+            continue
+        yield at, marker
+        if marker == 0xDA:
+            return
+        at += 2 + max(2, int.from_bytes(data[at + 2 : at + 4], "big"))
+
+
+def _tiff_claim(data: bytes) -> tuple[int, int, int]:
+    """Read the first page's size from its directory of tags."""
+    order, big = "<" if data[:2] == b"II" else ">", b"+" in data[2:4]
+    (at,) = struct.unpack_from(order + ("Q" if big else "I"), data, 8 if big else 4)
+    (count,) = struct.unpack_from(order + ("Q" if big else "H"), data, at)
+    at += 8 if big else 2
+    found = {_WIDTH: 0, _HEIGHT: 0, _SAMPLES: 1}
+    for _ in range(min(count, 4096)):
+        tag, kind = struct.unpack_from(order + "HH", data, at)
+        if tag in found:
+            width = {1: "B", 3: "H", 4: "I", 16: "Q"}.get(kind)
+            if width is None:
+                raise ValueError("a size that is no whole number")
+            (found[tag],) = struct.unpack_from(order + width, data, at + (12 if big else 8))
+        at += 20 if big else 12
+    return found[_WIDTH], found[_HEIGHT], found[_SAMPLES]
+
+
+def _exr_claim(data: bytes) -> tuple[int, int, int]:
+    """Read the data window and the channels of the first part."""
+    at, found = 8, {}
+    while data[at] != 0:
+        name_end = data.index(b"\0", at)
+        kind_end = data.index(b"\0", name_end + 1)
+        (size,) = struct.unpack_from("<i", data, kind_end + 1)
+        if size < 0:
+            raise ValueError("a negative size")
+        found[data[at:name_end]] = data[kind_end + 5 : kind_end + 5 + size]
+        at = kind_end + 5 + size
+    left, low, right, high = struct.unpack("<4i", found.get(b"dataWindow", b""))
+    table, at, channels = found.get(b"channels", b""), 0, 0
+    while table[at] != 0:
+        at = table.index(b"\0", at) + 17
+        channels += 1
+    return right - left + 1, high - low + 1, channels
