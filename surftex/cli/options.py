@@ -124,7 +124,7 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
         )
     )
     _preview(command("preview", "Shape a material live, in a window or in a browser.", epilog=_CODES))
-    _render(command("render", "Draw a still of a mesh or of a bake's GLB."))
+    _render(command("render", "Draw stills, turntables and contact sheets of a mesh or of a bake's GLB."))
     cache = command("cache", "Look after the compiled kernels, and the unwraps and features that are kept.")
     action = cache.add_mutually_exclusive_group(required=True)
     action.add_argument(
@@ -403,9 +403,15 @@ def _render(parser: Parser) -> None:
         "--picture-size", type=_side_by_side, metavar="WxH", help="in pixels (default: 1280x960)"
     )
     parser.add_argument(
-        "--view", metavar="NAME|AZIMUTH,ELEVATION", help="such as front, top (default: three-quarter)"
-    )
-    parser.add_argument("--light", choices=["studio", "portrait", "raking"], help="(default: studio)")
+        "--view", action="append", default=[], metavar="NAME|AZIMUTH,ELEVATION",
+        help="such as front, top, or 30,20 (default: three-quarter); may be repeated",
+    )  # fmt: skip
+    parser.add_argument(
+        "--light", action="append", default=[], choices=["studio", "portrait", "raking"],
+        help="(default: studio); may be repeated",
+    )  # fmt: skip
+    parser.add_argument("--turntable", type=_whole, metavar="N", help="N pictures, once around")
+    parser.add_argument("--sheet", action="store_true", help="several pictures in one, with their names")
     parser.add_argument("--zoom", type=_number, metavar="X", help="1 shows everything, 10 a tenth of it")
     parser.add_argument(
         "--target", type=_numbers(3), metavar="X,Y,Z", help="place in mm to have in the middle"

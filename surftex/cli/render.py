@@ -1,4 +1,4 @@
-"""``surftex render``: a still, drawn off screen."""
+"""``surftex render``: stills, turntables and contact sheets, drawn off screen."""
 
 from argparse import Namespace
 from typing import Any
@@ -8,7 +8,7 @@ from surftex.errors import RecipeError
 
 
 def run(options: Namespace) -> None:
-    """Draw a still.
+    """Draw what was asked for.
 
     Parameters
     ----------
@@ -20,21 +20,22 @@ def run(options: Namespace) -> None:
     SurftexError
         If there is nothing to draw, or the picture cannot be written.
     """
-    from surftex.preview.render import render_file
+    from surftex.preview.render import render_files
 
     asked: dict[str, Any] = {
         "size": options.picture_size,
-        "view": None if options.view is None else _view(options.view),
-        "light": options.light,
+        "views": [_view(each) for each in options.view] or None,
+        "lights": options.light or None,
+        "turntable": options.turntable,
         "zoom": options.zoom,
         "target": options.target,
         "up": options.up,
         "background": options.background,
     }
     given = {name: value for name, value in asked.items() if value is not None}
-    path = render_file(options.subject, options.out, **given)
-    if not options.quiet:
-        out(str(path))
+    for path in render_files(options.subject, options.out, sheet=options.sheet, **given):
+        if not options.quiet:
+            out(str(path))
 
 
 def _view(text: str) -> str | tuple[float, float]:

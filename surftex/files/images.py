@@ -61,7 +61,7 @@ def jpeg_bytes(pixels: NDArray[np.uint8], *, quality: int = 88) -> bytes:
     """
     import imagecodecs
 
-    return imagecodecs.jpeg_encode(np.ascontiguousarray(pixels), level=quality)
+    return bytes(imagecodecs.jpeg_encode(np.ascontiguousarray(pixels), level=quality))
 
 
 def read_png(path: str | Path) -> NDArray[Any]:

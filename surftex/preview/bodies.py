@@ -29,8 +29,8 @@ def bodies_of(subject: Any) -> list[Body]:
 
     Parameters
     ----------
-    subject : path, MapSet, Surface or (vertices, faces)
-        GLB and glTF files come with their materials; other meshes look like clay.
+    subject : path, MapSet, Surface, (vertices, faces) or list of Body
+        GLB and glTF files come with their materials; other meshes look like clay; bodies are handed back.
 
     Returns
     -------
@@ -48,6 +48,8 @@ def bodies_of(subject: Any) -> list[Body]:
         from surftex.files.meshes import load
 
         return [_clay(load(subject))]
+    if isinstance(subject, list) and subject and all(isinstance(each, Body) for each in subject):
+        return subject
     if isinstance(subject, MapSet):
         return [_baked(subject)]
     if isinstance(subject, Surface):

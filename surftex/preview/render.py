@@ -5,6 +5,7 @@ any machine of one kind, and no driver is needed.
 """
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from surftex.errors import RecipeError
 from surftex.files.scene import Body
 from surftex.kernels.pool import slices
 from surftex.preview.bodies import bodies_of, factors_of, pyramid_of
-from surftex.preview.camera import UPS, Camera, camera_for
+from surftex.preview.camera import UPS, VIEWS, Camera, camera_for
 from surftex.preview.pictures import check_picture, save_picture
 from surftex.preview.section import blended
 from surftex.preview.shading import Lit, lit, shaded
@@ -132,6 +133,98 @@ def render_file(
     """
     target = check_picture(out)
     return save_picture(target, render(path, **options))
+
+
+def render_files(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    views: Sequence[str | tuple[float, float]] = ("three-quarter",),
+    lights: Sequence[str] = ("studio",),
+    turntable: int | None = None,
+    sheet: bool = False,
+    **options: Any,
+) -> list[Path]:
+    """Draw a mesh file or a bake's GLB from several sides, or in several lights.
+
+    Parameters
+    ----------
+    path : path
+        Of the mesh; read once.
+    out : path
+        Of the picture. Several get names of their own: ``shoe.png`` makes ``shoe-front.png``, or ``shoe-000.png`` and
+        so on for a turntable. Existing files are replaced, whole.
+    views : sequence of str or (2,) float
+        As for `render`.
+    lights : sequence of str
+        As for `render`.
+    turntable : int, optional
+        So many pictures, once around from the first view.
+    sheet : bool
+        Lay all pictures out in one, with their names.
+    **options
+        Of `render`.
+
+    Returns
+    -------
+    paths : list of Path
+        Of the pictures, in their order.
+
+    Raises
+    ------
+    InputError
+        If the name does not end in .png.
+    RecipeError
+        If an option is none.
+    WorkError
+        If a picture cannot be written.
+    """
+    target = check_picture(out)
+    shots = _shots(views, lights, turntable)
+    bodies = bodies_of(path)
+    pictures: list[NDArray[np.uint8]] = []
+    paths: list[Path] = []
+    for name, view, light in shots:
+        picture = render(bodies, view=view, light=light, **options)
+        if sheet:
+            pictures.append(picture)
+        else:
+            place = target if len(shots) == 1 else target.with_name(f"{target.stem}-{name}.png")
+            paths.append(save_picture(place, picture))
+    if sheet:
+        from surftex.preview.sheet import contact_sheet
+
+        paths = [save_picture(target, contact_sheet(pictures, [name.upper() for name, *_ in shots]))]
+    return paths
+
+
+def _shots(
+    views: Sequence[str | tuple[float, float]], lights: Sequence[str], turntable: int | None
+) -> list[tuple[str, str | tuple[float, float], str]]:
+    """Name every picture, and say from where and in which light it is taken."""
+    if turntable is not None:
+        if not 2 <= turntable <= 3600 or len(views) > 1:
+            raise RecipeError(
+                f"a turntable takes 2 to 3600 pictures and one view, not {turntable} and {len(views)}"
+            )
+        first = views[0]
+        if isinstance(first, str):
+            if first not in VIEWS:
+                raise RecipeError(
+                    f"no view {first!r}; known are {', '.join(VIEWS)}, or azimuth and elevation"
+                )
+            first = VIEWS[first]
+        turns = [(first[0] + 360.0 * k / turntable, first[1]) for k in range(turntable)]
+        named: list[tuple[str, str | tuple[float, float]]] = [
+            (f"{k:0{max(3, len(str(turntable - 1)))}d}", turn) for k, turn in enumerate(turns)
+        ]
+    else:
+        named = [(view if isinstance(view, str) else f"{view[0]:g}_{view[1]:g}", view) for view in views]
+    return [
+        (name if len(lights) == 1 else f"{name}-{light}", view, light)
+        for name, view in named
+        for light in lights
+    ]
 
 
 def _visible(

@@ -179,3 +179,26 @@ def test_facets_of_a_smooth_mesh_throw_no_shadows_on_themselves():
     radius = np.sqrt((fine != fine[0, 0]).sum() / np.pi)
     inside = np.hypot(row, column) < 0.8 * radius
     assert np.percentile(np.abs(coarse - fine)[inside], 99) < 8
+
+
+def test_turntables_views_lights_and_sheets(tmp_path, meshes):
+    from surftex.preview.render import render_files
+
+    torus = meshes / "torus.obj"
+    paths = render_files(torus, tmp_path / "t.png", turntable=3, views=["front"], **SMALL)
+    assert [path.name for path in paths] == ["t-000.png", "t-001.png", "t-002.png"]
+    first, second = (read_png(path) for path in paths[:2])
+    np.testing.assert_array_equal(first, render(torus, view=(0.0, 5.0), **SMALL))
+    assert (first != second).any()
+    paths = render_files(
+        torus, tmp_path / "v.png", views=["top", (10.0, 20.0)], lights=["studio", "raking"], **SMALL
+    )
+    assert [path.name for path in paths] == [
+        "v-top-studio.png", "v-top-raking.png", "v-10_20-studio.png", "v-10_20-raking.png",
+    ]  # fmt: skip
+    (sheet,) = render_files(torus, tmp_path / "s.png", views=["top", "front"], sheet=True, **SMALL)
+    assert read_png(sheet).shape[1] > 2 * SMALL["size"][0]
+    with pytest.raises(RecipeError, match="turntable"):
+        render_files(torus, tmp_path / "t.png", turntable=1)
+    with pytest.raises(RecipeError, match="no view"):
+        render_files(torus, tmp_path / "t.png", turntable=3, views=["sideways"])
