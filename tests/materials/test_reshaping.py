@@ -9,6 +9,8 @@ from surftex.materials.cells.model import Cells
 from surftex.materials.layers import Reshaping
 from surftex.materials.leather import pattern as hide
 from surftex.materials.leather.model import Leather
+from surftex.materials.skin import pattern as living
+from surftex.materials.skin.model import Skin
 from surftex.randomness import stream
 from surftex.surface.points import Samples
 from surftex.surface.shapes import sphere
@@ -26,9 +28,11 @@ def placed():
     samples = Samples(points, np.full(len(points), 0.02, np.float32))
     leather = Leather.preset("calf", **EVERYTHING)
     cells = Cells(cell_size=2.0, wrinkle_count=2, generations=60)
+    counts = {f"{kind}_count": 3 for kind in (*Skin().order, "vessel", "wrinkle")}
+    skin = Skin(pore_lean=1.0, variation=0.0, **counts)
     return ball, samples, {
         name: (material, pattern, pattern.gather(samples))
-        for name, material in (("leather", leather), ("cells", cells))
+        for name, material in (("leather", leather), ("cells", cells), ("skin", skin))
         for pattern in [material.place(ball, 3)]
     }  # fmt: skip
 
@@ -36,13 +40,17 @@ def placed():
 def changed(material, key):
     value = getattr(material, key)
     if isinstance(value, tuple):
-        return material.model_copy(update={key: (0.3, 0.2, 0.1)})
+        return material.model_copy(update={key: (0.3, 0.2, 0.1)[: len(value)]})
     return material.model_copy(update={key: 0.7 * value if value else 0.3})
 
 
 @pytest.mark.parametrize(
     ("name", "key"),
-    [("leather", key) for key in sorted(hide.SHAPING)] + [("cells", key) for key in sorted(grown.SHAPING)],
+    [
+        (name, key)
+        for name, keys in (("leather", hide.SHAPING), ("cells", grown.SHAPING), ("skin", living.SHAPING))
+        for key in sorted(keys)
+    ],
 )
 def test_reshaped_is_the_same_as_evaluated_anew(placed, name, key):
     ball, samples, made = placed
@@ -69,14 +77,14 @@ def test_what_moves_elements_is_not_reshaped(placed):
     assert pattern.reshaped(material) is not None
 
 
-@pytest.mark.parametrize("name", ["leather", "cells"])
+@pytest.mark.parametrize("name", ["leather", "cells", "skin"])
 def test_what_is_kept_would_have_been_placed_the_same(placed, name):
     material = placed[2][name][0].model_copy(update={"wrinkle_count": 1})
-    ball = sphere(2.2, subdivisions=2)
+    ball = sphere(4.0 if name == "skin" else 2.2, subdivisions=2)
     pattern, moved = material.place(ball, 3), 0
     for key in type(material).model_fields:
         value = getattr(material, key)
-        if not isinstance(value, (int, float, tuple)):
+        if not isinstance(value, (int, float, tuple)) or key in ("order", "up"):
             continue
         other = changed(material, key)
         if isinstance(value, int):

@@ -1,7 +1,7 @@
 """`SkinPattern`: a skin placed on a surface, ready to answer at any sample."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -17,7 +17,7 @@ from surftex.materials.skin.kinds import STATE
 from surftex.materials.skin.model import Skin
 from surftex.materials.skin.placing import likelihood, tension
 from surftex.materials.skin.points import PointKind
-from surftex.optics import lookup
+from surftex.optics import SkinAppearance, lookup
 from surftex.optics.tissue import PARAMETERS
 from surftex.randomness import stream
 from surftex.surface.points import Samples
@@ -36,6 +36,51 @@ _STRETCH = 1.2
 """Length of the fields of the skin over their width, at full tension."""
 
 _FURROW_ROUGH, _HAIR_ROUGH = 0.08, 0.45
+
+
+SHAPING = frozenset(
+    {"relief_depth", "relief_width", "relief_secondary", "relief_swell", "sebum_polish", "follicle_color"}
+)
+"""Parameters that `SkinPattern.shape` reads; all others change the biology, or what is measured."""
+
+_KEPT = SHAPING | {
+    "melanin", "pheomelanin", "blood", "oxygenation", "stratum_corneum", "epidermis", "variation", "variation_size",
+    "mottle", "mottle_size", "drift", "drift_size", "flush", "flush_radius", "flush_where", "tan", "up", "lips_where",
+    "lips_blood", "lips_pheomelanin", "lips_epidermis", "mole_irregularity", "freckle_irregularity", "follicle_cover",
+    "follicle_height", "follicle_blood", "pore_shade", "pore_sebum", "pock_irregularity", "scar_pallor",
+    "scar_irregularity", "vessel_oxygenation", "wrinkle_fold", "wrinkle_fade", "wrinkle_profile", "relief_spacing",
+    "relief_where", "sebum", "sebum_where", "relief_tension",
+}  # fmt: skip
+"""Parameters that move no feature."""
+
+
+def _carved(skin: Skin) -> bool:
+    return skin.relief_depth > 0 or skin.relief_swell > 0 or skin.relief_secondary > 0
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """Skin at n samples, before its microrelief is carved.
+
+    Attributes
+    ----------
+    column : dict of str to (n,) float32
+        Entries of the state, by name.
+    biology : dict of str to (n,) float32
+        As `surftex.optics.lookup` takes it.
+    appearance : SkinAppearance
+        What it answers.
+    net : tuple of array, or None
+        From `FurrowNet.at`.
+    wrinkle : tuple of (n,) float32, or None
+        Depth of grooves, and rise of the folds beside them.
+    """
+
+    column: Mapping[str, Float]
+    biology: Mapping[str, Float]
+    appearance: SkinAppearance
+    net: tuple[Float, Float, Float] | None
+    wrinkle: tuple[Float, Float] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +156,7 @@ class SkinPattern:
             if len(features.get(kind, ()))
         }
         net = None
-        if skin.relief_depth > 0 or skin.relief_swell > 0 or skin.relief_secondary > 0:
+        if _carved(skin):
             angle = tension(skin, surface, names).angle_rad
             stretch = 1 + (_STRETCH - 1) * skin.relief_tension
             net = FurrowNet.over(surface, angle, skin.relief_spacing, stretch, stream(seed, "skin", "relief"))
@@ -133,6 +178,21 @@ class SkinPattern:
         layers : Layers
             The channels named by `channels`.
         """
+        return self.shape(self.gather(samples), samples.footprint_mm)
+
+    def gather(self, samples: Samples) -> Gathered:
+        """Evaluate the biology, and measure the way to furrows and wrinkles: what takes time.
+
+        Parameters
+        ----------
+        samples : Samples
+            n points with their footprints.
+
+        Returns
+        -------
+        gathered : Gathered
+            For `shape`.
+        """
         position = samples.points.positions(self.surface)
         state = self.baseline.at(samples, position)
         column = {name: state[:, i] for i, name in enumerate(STATE)}
@@ -143,23 +203,81 @@ class SkinPattern:
             column["oxygenation"] += share * (self.skin.vessel_oxygenation - column["oxygenation"])
         for kind in self.points:
             kind.blend(samples, state)
-        height = column["height_mm"]
-        furrow = np.zeros(len(samples), np.float32)
-        if self.net is not None:
-            furrow, relief = self._relief(samples, position)
-            height += relief * column["relief"]
-        if self.wrinkles is not None:
-            depth, raised = self.wrinkles.at(samples)
-            height += raised - depth
-        return self._seen(column, furrow * column["relief"])
+        net = None
+        if self.net is not None and visible(self.skin.relief_spacing, samples.footprint_mm).any():
+            net = self.net.at(samples.points, position)
+        biology = {
+            name.replace("_mm", "_cm"): column[name] / (10 if name.endswith("_mm") else 1) for name in BIOLOGY
+        }
+        return Gathered(
+            column, biology, lookup(biology, threads=1), net,
+            None if self.wrinkles is None else self.wrinkles.at(samples),
+        )  # fmt: skip
 
-    def _relief(self, samples: Samples, position: NDArray[np.float64]) -> tuple[Float, Float]:
+    def shape(self, gathered: Gathered, footprint_mm: Float) -> Layers:
+        """Carve furrows and wrinkles, and turn biology into what a renderer is told.
+
+        Parameters
+        ----------
+        gathered : Gathered
+            From `gather`.
+        footprint_mm : (n,) float32
+            Side of each sample's patch.
+
+        Returns
+        -------
+        layers : Layers
+            The channels named by `channels`.
+        """
+        column = gathered.column
+        height = column["height_mm"].copy()
+        furrow = np.zeros(len(height), np.float32)
+        if gathered.net is not None:
+            furrow, relief = self._relief(gathered.net, footprint_mm)
+            height += relief * column["relief"]
+        if gathered.wrinkle is not None:
+            depth, raised = gathered.wrinkle
+            height += raised - depth
+        return self._seen(gathered, height, furrow * column["relief"])
+
+    def reshaped(self, skin: Skin) -> "SkinPattern | None":
+        """Give the same skin another microrelief, gloss of oil, or colour of hair.
+
+        Parameters
+        ----------
+        skin : Skin
+            What it shall be like.
+
+        Returns
+        -------
+        pattern : SkinPattern or None
+            Whose `shape` takes what this one gathered; None where more than that has changed.
+        """
+        old, new = self.skin.model_dump(), skin.model_dump()
+        if any(new[key] != old[key] for key in new.keys() - SHAPING) or _carved(skin) != _carved(self.skin):
+            return None
+        return replace(self, skin=skin)
+
+    def keeps(self, skin: Skin) -> bool:
+        """Tell whether another skin would have the same features at the same places.
+
+        Parameters
+        ----------
+        skin : Skin
+            With the same seed.
+
+        Returns
+        -------
+        keeps : bool
+            Then `features` need not be placed anew.
+        """
+        return all(getattr(self.skin, key) == getattr(skin, key) for key in Skin.model_fields.keys() - _KEPT)
+
+    def _relief(self, net: tuple[Float, Float, Float], footprint_mm: Float) -> tuple[Float, Float]:
         """Furrows and fields of the microrelief: how deep in a furrow, and the height in mm."""
-        skin, net, footprint = self.skin, self.net, samples.footprint_mm
+        skin, footprint = self.skin, footprint_mm
         shown = visible(skin.relief_spacing, footprint)
-        if net is None or not shown.any():
-            return np.zeros(len(samples), np.float32), np.zeros(len(samples), np.float32)
-        border, along, inner = net.at(samples.points, position)
+        border, along, inner = net
         share = 1 - skin.relief_tension * (1 - along)
         groove = np.maximum(
             *(valley(border[:, i], skin.relief_width, footprint, dimension=1) * share[:, i] for i in (0, 1))
@@ -169,13 +287,9 @@ class SkinPattern:
         height = skin.relief_swell * t * (2 - t) - skin.relief_depth * groove - skin.relief_secondary * fine
         return groove * shown, (height * shown).astype(np.float32)
 
-    def _seen(self, column: Mapping[str, Float], furrow: Float) -> Layers:
+    def _seen(self, gathered: Gathered, height: Float, furrow: Float) -> Layers:
         """Turn biology into what a renderer is told."""
-        skin = self.skin
-        biology = {
-            name.replace("_mm", "_cm"): column[name] / (10 if name.endswith("_mm") else 1) for name in BIOLOGY
-        }
-        appearance = lookup(biology, threads=1)
+        skin, column, biology, appearance = self.skin, gathered.column, gathered.biology, gathered.appearance
         clamped = {
             name.replace("_cm", "_mm"): PARAMETERS[name].outside(biology[name]) for name in appearance.clamped
         }
@@ -187,7 +301,7 @@ class SkinPattern:
         rough = rough + hair * (_HAIR_ROUGH - rough)
         return Layers(
             {
-                "height_mm": column["height_mm"].copy(),
+                "height_mm": height,
                 "base_color": np.clip(color, 0, 1).astype(np.float32),
                 "roughness": np.clip(rough, 0.04, 1).astype(np.float32),
                 "specular": appearance.specular,
