@@ -18,7 +18,12 @@ if TYPE_CHECKING:
         SurftexError,
         WorkError,
     )
+    from surftex.exemplar.composite import CompositeModel, learn_composite
+    from surftex.exemplar.erosion import erosion_series
+    from surftex.exemplar.labels import LabelModel, learn_labels
     from surftex.exemplar.learn import learn_texture
+    from surftex.exemplar.mending import fill, knit
+    from surftex.exemplar.metrics import metrics
     from surftex.exemplar.model import TextureModel
     from surftex.exemplar.store import load_model
     from surftex.files.features import load_features
@@ -38,7 +43,9 @@ __version__ = "0.1.0"
 _HOME = {
     "Cells": "surftex.materials.cells.model",
     "Composite": "surftex.materials.composite.model",
+    "CompositeModel": "surftex.exemplar.composite",
     "InputError": "surftex.errors",
+    "LabelModel": "surftex.exemplar.labels",
     "Leather": "surftex.materials.leather.model",
     "MapSet": "surftex.maps.mapset",
     "MeshFileError": "surftex.errors",
@@ -53,11 +60,17 @@ _HOME = {
     "TextureModel": "surftex.exemplar.model",
     "WorkError": "surftex.errors",
     "bake": "surftex.bake.bake",
+    "erosion_series": "surftex.exemplar.erosion",
+    "fill": "surftex.exemplar.mending",
     "geodesic_distance": "surftex.geodesics.distance",
+    "knit": "surftex.exemplar.mending",
+    "learn_composite": "surftex.exemplar.composite",
+    "learn_labels": "surftex.exemplar.labels",
     "learn_texture": "surftex.exemplar.learn",
     "load": "surftex.bake.loading",
     "load_features": "surftex.files.features",
     "load_model": "surftex.exemplar.store",
+    "metrics": "surftex.exemplar.metrics",
     "optics": "surftex",
     "shapes": "surftex.surface",
 }
@@ -69,7 +82,9 @@ _ROOMS = ("optics", "shapes")
 __all__ = [
     "Cells",
     "Composite",
+    "CompositeModel",
     "InputError",
+    "LabelModel",
     "Leather",
     "MapSet",
     "MeshFileError",
@@ -85,11 +100,17 @@ __all__ = [
     "WorkError",
     "__version__",
     "bake",
+    "erosion_series",
+    "fill",
     "geodesic_distance",
+    "knit",
+    "learn_composite",
+    "learn_labels",
     "learn_texture",
     "load",
     "load_features",
     "load_model",
+    "metrics",
     "optics",
     "shapes",
 ]

@@ -1,6 +1,7 @@
 """Textures from file to file: learn a model from pictures, draw pictures from a model, and say how alike they are."""
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError
+from surftex.exemplar.composite import CompositeModel, learn_composite
+from surftex.exemplar.labels import LabelModel, learn_labels
 from surftex.exemplar.learn import learn_texture
 from surftex.exemplar.metrics import metrics
-from surftex.exemplar.model import TextureModel
-from surftex.exemplar.store import SUFFIXES, load_model
-from surftex.files.exemplars import read_exemplar
+from surftex.exemplar.store import SUFFIXES, Model, load_model
+from surftex.files.exemplars import read_exemplar, read_label_map
 from surftex.files.images import png_bytes
 from surftex.files.output import write_whole
 from surftex.files.reading import printable
@@ -27,7 +29,11 @@ def learn_file(
     out: str | Path,
     *,
     shrink: int = 1,
-    aligned: dict[str, str | Path | None] | None = None,
+    aligned: Mapping[str, str | Path | None] | None = None,
+    labels: str | Path | None = None,
+    within: Mapping[int, str | Path] | None = None,
+    over: bool = False,
+    as_labels: bool = False,
     tick: Tick | None = None,
     **options: Any,
 ) -> dict[str, Any]:
@@ -41,8 +47,16 @@ def learn_file(
         ``.stex`` or ``.json``; replaced if there.
     shrink : int
         Pixels of each side that become one, by their mean.
-    aligned : dict of str to path, optional
+    aligned : mapping of str to path, optional
         Files of `ALIGNED`.
+    labels : path, optional
+        A label map: learn a composite of several textures.
+    within : mapping of int to path, optional
+        Label maps that part labels.
+    over : bool
+        Whether the last label lies over the others.
+    as_labels : bool
+        The picture itself is a label map: learn a layout.
     tick : callable, optional
         Told the finished share; may raise to cancel.
     **options : Any
@@ -64,14 +78,24 @@ def learn_file(
     if not 1 <= shrink <= 64:
         raise InputError(f"shrink is {shrink}; it takes 1 to 64")
     wall, processor = time.perf_counter(), time.process_time()
-    picture = _shrunk(read_exemplar(image), shrink)
-    beside = {
-        name: _shrunk(_grey(read_exemplar(file)), shrink)
-        for name, file in (aligned or {}).items()
-        if file is not None
-    }
+    if as_labels:
+        maps: dict[str, Any] = {"picture": read_label_map(image)[::shrink, ::shrink]}
+    else:
+        beside = {name: file for name, file in (aligned or {}).items() if file is not None}
+        maps = {"picture": _shrunk(read_exemplar(image), shrink)}
+        maps |= {name: _shrunk(_grey(read_exemplar(file)), shrink) for name, file in beside.items()}
+    if labels is not None:
+        maps["labels"] = read_label_map(labels)[::shrink, ::shrink]
+        parts = {label: read_label_map(file)[::shrink, ::shrink] for label, file in (within or {}).items()}
+        options |= {"within": parts, "over": over}
+    picture = maps.pop("picture")
     try:
-        model = learn_texture(picture, tick=tick, **beside, **options)
+        if as_labels:
+            model: Model = learn_labels(picture, mask=maps.get("mask"))
+        elif labels is not None:
+            model = learn_composite(picture, tick=tick, **maps, **options)
+        else:
+            model = learn_texture(picture, tick=tick, **maps, **options)
     except InputError as problem:
         raise InputError(f"{printable(str(image))}: {problem}") from None
     model.save(target)
@@ -89,10 +113,12 @@ def synthesize_file(
     path: str | Path,
     out: str | Path,
     *,
-    size: tuple[int, int] = (512, 512),
+    size: tuple[int, int] | None = None,
     seed: int = 0,
     sweeps: int | None = None,
     compare: str | Path | None = None,
+    labels: str | Path | None = None,
+    age: int = 0,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> dict[str, Any]:
@@ -104,14 +130,18 @@ def synthesize_file(
         Of the model.
     out : path
         A ``.png``; replaced if there. Maps are called ``<out>_height.png`` and so on.
-    size : (int, int)
-        Width and height.
+    size : (int, int), optional
+        Width and height; 512 x 512, or those of the label map, without it.
     seed : int
         Same seed, same bytes.
     sweeps : int, optional
         As for `TextureModel.synthesize`.
     compare : path, optional
         A picture to measure the result against.
+    labels : path, optional
+        A layout for a composite: a label map; the picture gets its size.
+    age : int
+        Steps by which what lies over a composite, such as cracks, has grown.
     threads : int, optional
         None means every core.
     tick : callable, optional
@@ -131,23 +161,84 @@ def synthesize_file(
     """
     target = picture_place(out)
     reference = None if compare is None else read_exemplar(compare)
-    model = load_model(path)
+    model, layout = load_model(path), None if labels is None else read_label_map(labels)
+    width, height = size or ((512, 512) if layout is None else (layout.shape[1], layout.shape[0]))
     wall, processor = time.perf_counter(), time.process_time()
-    maps = model.maps(*size, seed, sweeps=sweeps, threads=threads, tick=tick)
+    maps = drawn_maps(
+        model, width, height, seed, labels=layout, age=age, sweeps=sweeps, threads=threads, tick=tick
+    )
     wall, processor = time.perf_counter() - wall, time.process_time() - processor
     report = {
         "model": str(path),
-        "size": list(size),
+        "size": [width, height],
         "seed": seed,
         "files": write_maps(target, maps),
         "wall_s": round(wall, 3),
         "cpu_s": round(processor, 3),
-        "cpu_s_per_megapixel": round(1e6 * processor / (size[0] * size[1]), 2),
+        "cpu_s_per_megapixel": round(1e6 * processor / (width * height), 2),
     }
     if reference is not None:
         scale = 257 if reference.dtype == np.uint16 else 1
         report["metrics"] = metrics(maps["picture"], reference // scale)
     return report
+
+
+def drawn_maps(
+    model: Model,
+    width: int,
+    height: int,
+    seed: int,
+    *,
+    labels: NDArray[np.uint8] | None = None,
+    age: int = 0,
+    sweeps: int | None = None,
+    threads: int | None = None,
+    tick: Tick | None = None,
+) -> dict[str, NDArray[np.uint8]]:
+    """Draw whatever a model holds.
+
+    Parameters
+    ----------
+    model : TextureModel, CompositeModel or LabelModel
+        What to draw.
+    width : int
+        Columns.
+    height : int
+        Rows.
+    seed : int
+        Same seed, same bytes.
+    labels : (height, width) uint8, optional
+        For a composite.
+    age : int
+        For a composite.
+    sweeps : int, optional
+        As for `TextureModel.synthesize`.
+    threads : int, optional
+        None means every core.
+    tick : callable, optional
+        Told the finished share.
+
+    Returns
+    -------
+    maps : dict of str to uint8 arrays
+        ``picture`` and what lies beside it; labels are spread over 0 to 255, so that they can be seen.
+
+    Raises
+    ------
+    InputError
+        If a layout or an age is given for what has none.
+    """
+    if not isinstance(model, CompositeModel) and (labels is not None or age):
+        raise InputError("the model is no composite; it takes neither a label map nor an age")
+    if isinstance(model, LabelModel):
+        label = model.synthesize(width, height, seed, threads=threads, tick=tick)
+        return {"picture": _spread(label, model.labels)}
+    if isinstance(model, CompositeModel):
+        maps = model.maps(
+            width, height, seed, labels=labels, age=age, sweeps=sweeps, threads=threads, tick=tick
+        )
+        return {**maps, "labels": _spread(maps["labels"], model.labels)}
+    return model.maps(width, height, seed, sweeps=sweeps, threads=threads, tick=tick)
 
 
 def write_maps(target: Path, maps: dict[str, NDArray[np.uint8]]) -> list[str]:
@@ -194,24 +285,27 @@ def picture_place(out: str | Path) -> Path:
     return _place(out, (".png",), "a picture is written as .png")
 
 
-def described(model: TextureModel) -> dict[str, Any]:
+def described(model: Model) -> dict[str, Any]:
     """Count what a model holds.
 
     Parameters
     ----------
-    model : TextureModel
+    model : TextureModel, CompositeModel or LabelModel
         Any.
 
     Returns
     -------
     counts : dict
-        ``bands``, ``pairs``, ``quads``.
+        ``pairs``, ``quads``, and ``bands`` or ``labels``.
     """
-    return {
-        "bands": list(model.bands.names),
-        "pairs": len(model.target.pair_type),
-        "quads": len(model.target.quad_band),
-    }
+    if isinstance(model, LabelModel):
+        target = model.targets[-1]
+        counts: dict[str, Any] = {"labels": model.labels, "scales": len(model.targets)}
+    else:
+        target = model.target
+        counts = {"bands": list(model.bands.names)}
+        counts |= {"labels": model.labels} if isinstance(model, CompositeModel) else {}
+    return {**counts, "pairs": len(target.pair_type), "quads": len(target.quad_band)}
 
 
 def _model_place(out: str | Path) -> Path:
@@ -228,6 +322,11 @@ def _place(out: str | Path, suffixes: tuple[str, ...], what: str) -> Path:
     if not target.absolute().parent.is_dir():
         raise InputError(f"{shown}: there is no folder {printable(str(target.parent))}; make it first")
     return target
+
+
+def _spread(label: NDArray[np.uint8], labels: int) -> NDArray[np.uint8]:
+    """Labels as tones from black to white."""
+    return (label.astype(np.int64) * 255 // (labels - 1)).astype(np.uint8)
 
 
 def _grey(picture: NDArray[Any]) -> NDArray[Any]:

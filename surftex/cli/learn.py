@@ -4,6 +4,7 @@ import json
 from argparse import Namespace
 
 from surftex.cli.say import out
+from surftex.errors import InputError
 
 
 def run(options: Namespace) -> None:
@@ -27,6 +28,7 @@ def run(options: Namespace) -> None:
         report = learn_file(
             options.subject, options.out, shrink=options.shrink, seed=options.seed,
             aligned={name: getattr(options, name) for name in ALIGNED},
+            labels=options.labels, within=_within(options.within), over=options.over, as_labels=options.as_labels,
             tick=lambda share: watch("learn", share),
             **{name: value for name, value in asked.items() if value is not None},
         )  # fmt: skip
@@ -37,3 +39,13 @@ def run(options: Namespace) -> None:
             f"{report['model']}: {report['bytes']} bytes, {report['pairs']} pairs, {report['quads']} fours; "
             f"{report['cpu_s']:.1f} CPU-s"
         )
+
+
+def _within(texts: list[str]) -> dict[int, str]:
+    found = {}
+    for text in texts:
+        label, sign, path = text.partition("=")
+        if not (label.isdecimal() and sign and path):
+            raise InputError(f"--within {text!r} parts nothing; write --within 1=labels.png")
+        found[int(label)] = path
+    return found

@@ -117,6 +117,9 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     presets.add_argument("--json", action="store_true", help="as JSON")
     _learn(command("learn", "Learn a texture from a picture: a model of some kilobytes.", epilog=_CODES))
     _synthesize(command("synthesize", "Draw a picture of a texture from its model; it tiles.", epilog=_CODES))
+    _fill(command("fill", "Replace a part of a picture by the texture around it.", epilog=_CODES))
+    _knit(command("knit", "Join pictures and draw the borders between them anew.", epilog=_CODES))
+    _erode(command("erode", "Let a mask, a layout or a composite age step by step.", epilog=_CODES))
     _analyse(command("analyse", "Spectrum, statistics and a section of a height map, as PNG and JSON."))
     _match(
         command(
@@ -283,6 +286,19 @@ def _learn(parser: Parser) -> None:
         "--shrink", type=_whole, metavar="N", default=1, help="first make one pixel of N x N (default: 1)"
     )
     parser.add_argument("--mask", metavar="IMAGE", help="white where to learn from")
+    parser.add_argument(
+        "--labels", metavar="LABELS.png", help="learn a composite: each tone is a texture of its own"
+    )
+    parser.add_argument(
+        "--within", action="append", default=[], metavar="LABEL=LABELS.png",
+        help="part a label, counted from 0 by tone, into labels itself; may be repeated",
+    )  # fmt: skip
+    parser.add_argument(
+        "--over", action="store_true", help="the lightest label lies over the others, as cracks or lichen do"
+    )
+    parser.add_argument(
+        "--as-labels", action="store_true", help="the picture is a label map itself: learn its layout"
+    )
     parser.add_argument("--height", metavar="IMAGE", help="height aligned with the picture, learnt beside it")
     parser.add_argument("--roughness", metavar="IMAGE", help="roughness aligned with the picture")
     _drawing(parser)
@@ -296,6 +312,57 @@ def _synthesize(parser: Parser) -> None:
     parser.add_argument("--size", type=_side_by_side, metavar="WxH", help="in pixels (default: 512x512)")
     parser.add_argument("--sweeps", type=_whole, metavar="N", help="how often each pixel is drawn")
     parser.add_argument("--compare", metavar="IMAGE", help="measure the result against this picture")
+    parser.add_argument(
+        "--labels", metavar="LABELS.png", help="a layout for a composite, in place of a drawn one"
+    )
+    parser.add_argument(
+        "--age", type=_whole, metavar="STEPS", default=0, help="by which what lies over a composite has grown"
+    )
+    _drawing(parser)
+
+
+def _fill(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="IMAGE", help="the picture: PNG or JPEG")
+    parser.add_argument("--mask", metavar="IMAGE", required=True, help="white where it shall be replaced")
+    parser.add_argument(
+        "-o", "--out", metavar="IMAGE.png", required=True, help="the result; replaced if there"
+    )
+    parser.add_argument("--model", metavar="MODEL.stex", help="what to draw there (default: what is around)")
+    _mending(parser)
+
+
+def _knit(parser: Parser) -> None:
+    parser.add_argument("subject", nargs="+", metavar="IMAGE", help="two pictures or more, side by side")
+    parser.add_argument(
+        "-o", "--out", metavar="IMAGE.png", required=True, help="the result; replaced if there"
+    )
+    parser.add_argument("--below", action="store_true", help="each below the one before, not at its right")
+    parser.add_argument(
+        "--width", type=_whole, metavar="PIXELS", help="drawn anew on either side (default: 8)"
+    )
+    _mending(parser)
+
+
+def _mending(parser: Parser) -> None:
+    parser.add_argument("--zone", type=_whole, metavar="PIXELS", help="around it to learn from (default: 24)")
+    parser.add_argument("--order", choices=["quad", "pair"], help="as for learn (default: quad)")
+    parser.add_argument("--radius", type=_whole, metavar="PIXELS", help="as for learn (default: 24)")
+    parser.add_argument(
+        "--spacings", type=_whole_numbers, metavar="A,B,...", help="as for learn (default: 1,2,4)"
+    )
+    _drawing(parser)
+
+
+def _erode(parser: Parser) -> None:
+    parser.add_argument("subject", metavar="MASK.png|MODEL.stex", help="a mask, white where worn; or a model")
+    parser.add_argument(
+        "-o", "--out", metavar="IMAGE.png", required=True, help="<image>_0.png is the youngest"
+    )
+    parser.add_argument("--shrink", type=_whole, metavar="STEPS", default=1, help="steps back (default: 1)")
+    parser.add_argument("--grow", type=_whole, metavar="STEPS", default=3, help="steps on (default: 3)")
+    parser.add_argument(
+        "--size", type=_side_by_side, metavar="WxH", help="of what a model draws (default: 512x512)"
+    )
     _drawing(parser)
 
 

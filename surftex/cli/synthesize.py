@@ -22,11 +22,11 @@ def run(options: Namespace) -> None:
     from surftex.bake.texturing import synthesize_file
     from surftex.cli.watch import Watch
 
-    given = {"size": options.size} if options.size else {}
     with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
         report = synthesize_file(
             options.subject, options.out, seed=options.seed, sweeps=options.sweeps, compare=options.compare,
-            threads=options.threads, tick=lambda share: watch("synthesize", share), **given,
+            size=options.size, labels=options.labels, age=options.age, threads=options.threads,
+            tick=lambda share: watch("synthesize", share),
         )  # fmt: skip
     if options.json:
         out(json.dumps(report, indent=1, ensure_ascii=False))

@@ -20,6 +20,7 @@ TITLES = {
     "match": "matching",
     "learn": "learning the texture",
     "synthesize": "drawing the texture",
+    "mend": "drawing anew",
 }
 """What each stage is called on the screen."""
 

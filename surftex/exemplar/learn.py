@@ -109,6 +109,52 @@ def learn_texture(
     >>> learn_texture(noise, order="pair").synthesize(40, 30, seed=2).shape
     (30, 40)
     """
+    spacings, most = checked_options(order, pairs, spacings, radius)
+    picture, names, inside = checked_picture(image, mask=mask, height=height, roughness=roughness)
+    bands = Bands.learnt(picture, names, inside, LEVELS)
+    quad = spacings if order == "quad" else ()
+    exemplar, target = learning(picture, bands, inside, most, quad, radius, seed, threads, tick)
+    fours = tuple(each for each in quad if 6 * each <= min(picture.shape[:2]))
+    parts = [quad_pool(band, fours) for band in range(len(names))]
+    band, shape = (np.concatenate(part) for part in zip(*parts, strict=True))
+    target = replace(
+        target,
+        quad_band=band,
+        quad_shape=shape,
+        quad=exemplar.quads(band, shape, target.quarter),
+        quad_used=np.ones((1, len(band)), bool),
+    )
+    return TextureModel(bands, target)
+
+
+def checked_options(
+    order: str, pairs: int | None, spacings: tuple[int, ...], radius: int
+) -> tuple[tuple[int, ...], int]:
+    """Check the options of learning.
+
+    Parameters
+    ----------
+    order : str
+        As for `learn_texture`.
+    pairs : int, optional
+        As for `learn_texture`.
+    spacings : tuple of int
+        As for `learn_texture`.
+    radius : int
+        As for `learn_texture`.
+
+    Returns
+    -------
+    spacings : tuple of int
+        Whole numbers.
+    most : int
+        Pairs of each band.
+
+    Raises
+    ------
+    InputError
+        If one is out of range.
+    """
     if order not in ("quad", "pair"):
         raise InputError(f"order is {order!r}; it takes 'quad' or 'pair'")
     if not 1 <= radius <= 64:
@@ -116,17 +162,15 @@ def learn_texture(
     spacings = tuple(map(int, spacings))
     if any(not 1 <= each <= 16 for each in spacings) or len(spacings) > 8:
         raise InputError(f"spacings are {spacings}; they take up to 8 numbers from 1 to 16")
-    picture, names, inside = checked_picture(image, mask=mask, height=height, roughness=roughness)
     most = (PAIRS if order == "pair" else PAIRS_WITH_QUADS) if pairs is None else pairs
     if not 2 <= most <= 100:
         raise InputError(f"pairs is {most}; it takes 2 to 100 for each band")
-    quad = spacings if order == "quad" else ()
-    return _learnt(picture, names, inside, most, quad, radius, seed, threads, tick)
+    return spacings, most
 
 
-def _learnt(
+def learning(
     picture: NDArray[np.float32],
-    names: tuple[str, ...],
+    bands: Bands,
     inside: NDArray[np.bool_],
     most: int,
     spacings: tuple[int, ...],
@@ -134,10 +178,38 @@ def _learnt(
     seed: int,
     threads: int | None,
     tick: Tick | None,
-) -> TextureModel:
+) -> tuple[Exemplar, Target]:
+    """Choose the pairs of a texture.
+
+    Parameters
+    ----------
+    picture : (h, w, c) float32
+        0 to 255.
+    bands : Bands
+        Of the picture.
+    inside : (h, w) bool
+        Pixels that count.
+    most : int
+        Pairs of each band.
+    spacings : tuple of int
+        Of fours that will be asked of the exemplar.
+    radius : int
+        As for `learn_texture`.
+    seed : int
+        As for `learn_texture`.
+    threads : int, optional
+        As for `learn_texture`.
+    tick : callable, optional
+        As for `learn_texture`.
+
+    Returns
+    -------
+    exemplar : Exemplar
+        The picture, in levels.
+    target : Target
+        With pairs, without fours.
+    """
     radius = min(radius, min(picture.shape[:2]) // 4)
-    spacings = tuple(each for each in spacings if 6 * each <= min(picture.shape[:2]))
-    bands = Bands.learnt(picture, names, inside, LEVELS)
     reach = max(radius, *(3 * each for each in spacings), 1)
     exemplar = Exemplar.of(picture, bands, inside, reach, threads)
     target = no_cliques(exemplar.levels(LEVELS))
@@ -150,17 +222,7 @@ def _learnt(
         stream(seed, "exemplar", "learn"),
         threads=threads,
     )
-    target = _with_pairs(exemplar, drawn, radius, most * len(names), tick)
-    parts = [quad_pool(band, spacings) for band in range(len(names))]
-    band, shape = (np.concatenate(part) for part in zip(*parts, strict=True))
-    target = replace(
-        target,
-        quad_band=band,
-        quad_shape=shape,
-        quad=exemplar.quads(band, shape, target.quarter),
-        quad_used=np.ones((1, len(band)), bool),
-    )
-    return TextureModel(bands, target)
+    return exemplar, _with_pairs(exemplar, drawn, radius, most * target.bands, tick)
 
 
 def _with_pairs(exemplar: Exemplar, drawn: Relaxation, radius: int, most: int, tick: Tick | None) -> Target:

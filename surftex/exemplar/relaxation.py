@@ -19,6 +19,9 @@ from surftex.randomness import Stream
 PAIR_RATE, LABEL_RATE, QUAD_RATE = 6.0, 3.0, 4.0
 """How strongly potentials follow; beyond twice as much they overshoot and swing."""
 
+LABEL_PUSH = 30.0
+"""Potential of a label that covers all where it shall cover nothing, at once: large fields of labels would drift else."""
+
 _QUAD_SUM = 100.0
 """Quads times their rate, at most."""
 
@@ -65,6 +68,7 @@ class Relaxation:
         self.scale = _FINEST
         self.fresh = level.copy()
         self.single = -np.log(np.maximum(target.single, _LEAST_SHARE)).astype(np.float64)
+        self.push = np.zeros_like(self.single)
         self.pair = np.zeros((target.groups + 1, 0, 64))
         self.quad = np.zeros((target.groups, 0, 256))
         self.aim(target)
@@ -88,6 +92,16 @@ class Relaxation:
         pair = plan.pair.copy()
         pair[:, 1] = column[pair[:, 1]]
         self.plan = replace(plan, pair=pair, near=column[plan.near])
+
+    def take(self, other: "Relaxation") -> None:
+        """Take the potentials of another picture of the same target.
+
+        Parameters
+        ----------
+        other : Relaxation
+            On any lattice.
+        """
+        self.single, self.pair, self.quad = other.single.copy(), other.pair.copy(), other.quad.copy()
 
     def sweep(self) -> None:
         """Draw every live site once, band by band."""
@@ -132,7 +146,10 @@ class Relaxation:
         single, pair, quad = measured(target, self.lattice, self.level, self.group, self.threads)
         pace = rate * (LABEL_RATE if target.joint else PAIR_RATE)
         present = single.sum(axis=-1, keepdims=True) > 0
-        self.single += pace * np.where(present, single - target.single, 0)
+        excess = np.where(present, single - target.single, 0)
+        self.single += pace * excess
+        if target.joint:
+            self.push = LABEL_PUSH * excess
         there = target.pair_used[..., None] & (pair.sum(axis=-1, keepdims=True) > 0)
         self.pair += pace * np.where(there, pair - target.pair, 0)
         fours = target.quad_used[..., None] & (quad.sum(axis=-1, keepdims=True) > 0)
@@ -180,7 +197,8 @@ class Relaxation:
         """Potentials in whole numbers, on one scale, and the exponentials of that scale."""
         target, plan = self.target, self.plan
         groups, kinds = self.pair.shape[:2]
-        single = self.single - 0.5 * (self.single.max(axis=-1) + self.single.min(axis=-1))[..., None]
+        single = self.single + self.push
+        single = single - 0.5 * (single.max(axis=-1) + single.min(axis=-1))[..., None]
         inner = self.pair if target.joint else self.pair[..., :63]
         middle = 0.5 * (inner.max(axis=-1) + inner.min(axis=-1))[..., None]
         pair = np.where(target.pair_used[..., None], self.pair - middle, 0.0)

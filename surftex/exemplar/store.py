@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError
 from surftex.exemplar.bands import Bands
+from surftex.exemplar.composite import CompositeModel, Layout
+from surftex.exemplar.labels import MOST_LABELS, LabelModel
 from surftex.exemplar.model import TextureModel
 from surftex.exemplar.target import Target, quarters
 
@@ -32,7 +34,7 @@ _MAGIC = b"STEX\x01"
 _MOST_CLIQUES = 4096
 _BYTES = {"int8": 1, "uint8": 1}
 
-Model = TextureModel
+Model = TextureModel | LabelModel | CompositeModel
 
 
 def save_model(model: Model, path: str | Path) -> None:
@@ -220,16 +222,63 @@ def _joined(head: Any, body: bytes) -> Any:
 
 
 def _written(model: Model) -> dict[str, Any]:
+    if isinstance(model, LabelModel):
+        return {"kind": "labels", "targets": [_target_written(each) for each in model.targets]}
+    if isinstance(model, CompositeModel):
+        return {
+            "kind": "composite",
+            "bands": _bands_written(model.bands),
+            "target": _target_written(model.target),
+            "layout": _layout_written(model.layout),
+            "over": None if model.over is None else [_target_written(each) for each in model.over.targets],
+        }
     return {"kind": "texture", "bands": _bands_written(model.bands), "target": _target_written(model.target)}
 
 
 def _read(document: dict[str, Any]) -> Model:
     kinds: dict[str, Callable[[dict[str, Any]], Model]] = {
-        "texture": lambda each: TextureModel(_bands_read(each["bands"]), _target_read(each["target"]))
+        "texture": lambda each: TextureModel(_bands_read(each["bands"]), _target_read(each["target"])),
+        "labels": _labels_read,
+        "composite": _composite_read,
     }
     if document["kind"] not in kinds:
         raise ValueError(f"it is a {document['kind']!r}")
     return kinds[document["kind"]](document)
+
+
+def _labels_read(document: dict[str, Any]) -> LabelModel:
+    targets = tuple(_target_read(each) for each in document["targets"])
+    sound = 1 <= len(targets) <= 8 and all(
+        each.joint and each.levels == targets[0].levels for each in targets
+    )
+    if not sound or any((each.groups, each.bands) != (1, 1) for each in targets):
+        raise ValueError("labels that do not fit one another")
+    return LabelModel(targets)
+
+
+def _layout_written(layout: Layout) -> dict[str, Any]:
+    return {
+        "targets": [_target_written(each) for each in layout.model.targets],
+        "parts": [None if part is None else _layout_written(part) for part in layout.parts],
+    }
+
+
+def _composite_read(document: dict[str, Any]) -> CompositeModel:
+    bands, target = _bands_read(document["bands"]), _target_read(document["target"])
+    layout = _layout_read(document["layout"])
+    over = None if document["over"] is None else _labels_read({"targets": document["over"]})
+    labels = layout.leaves + (over is not None)
+    if target.joint or labels != target.groups or len(bands.names) != target.bands:
+        raise ValueError("textures and layout that do not fit")
+    return CompositeModel(bands, target, layout, over)
+
+
+def _layout_read(document: dict[str, Any], depth: int = 0) -> Layout:
+    model = _labels_read(document)
+    if depth >= MOST_LABELS or len(document["parts"]) != model.labels:
+        raise ValueError("labels that are not parted as they should be")
+    parts = (None if part is None else _layout_read(part, depth + 1) for part in document["parts"])
+    return Layout(model, tuple(parts))
 
 
 def _bands_written(bands: Bands) -> dict[str, Any]:

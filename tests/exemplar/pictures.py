@@ -35,3 +35,27 @@ def echo(side=128, right=7, down=3, seed=2):
     """Noise added to itself shifted: only one offset has anything to tell."""
     first = noise(side, seed).astype(float)
     return ((first + np.roll(first, (down, right), (0, 1))) / 2).astype(np.uint8)
+
+
+def patches(side=128, size=7.0, labels=2, seed=4):
+    """Blobs of labels of the same share; (side, side) uint8."""
+    fields = stream(seed, "test", "patches").uniform(labels * side * side).reshape(labels, side, side)
+    smooth = np.stack([gaussian_filter(each, size, mode="wrap") for each in fields])
+    return smooth.argmax(axis=0).astype(np.uint8)
+
+
+def cracks(side=192, cells=40, width=3.0, seed=5):
+    """A net of thin lines: 1 where there is a crack; (side, side) uint8."""
+    middle = side * stream(seed, "test", "cracks").uniform(cells, 2)
+    down, right = np.mgrid[:side, :side] + 0.5
+    shift = side * np.array([(u, v) for u in (-1, 0, 1) for v in (-1, 0, 1)])
+    near = cKDTree((middle + shift[:, None]).reshape(-1, 2)).query(np.stack([right, down], axis=-1), k=2)[0]
+    return (near[..., 1] - near[..., 0] < width).astype(np.uint8)
+
+
+def patchwork(label, seed=6):
+    """A texture for each label: darker and rougher the higher the label; (h, w) uint8."""
+    numbers = stream(seed, "test", "patchwork").uniform(label.size)[:, 0].reshape(label.shape) - 0.5
+    fine, coarse = 0.6 * numbers, 4.0 * gaussian_filter(numbers, 2.0, mode="wrap")
+    tone = 210 - 70.0 * label + 60 * np.where(label % 2 == 0, coarse, fine)
+    return np.clip(tone, 0, 255).astype(np.uint8)

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from surftex.cli import main
-from tests.exemplar.pictures import noise, pebbles
+from tests.exemplar.pictures import cracks, noise, patches, patchwork, pebbles
 
 
 @pytest.fixture
@@ -104,3 +104,47 @@ def test_what_does_not_fit_is_told_in_a_line(stones, capsys, arguments, what):
     told = capsys.readouterr().err
     assert what in told
     assert told.count("\n") == 1
+
+
+def test_a_composite_is_learnt_and_drawn_and_aged(stones, capsys):
+    label = np.where(cracks(96, 12) == 1, 2, patches(96)).astype(np.uint8)
+    Image.fromarray(patchwork(label)).save("rock.png")
+    Image.fromarray(label * 100).save("labels.png")
+    learn = ["learn", "rock.png", "--labels", "labels.png", "--over", "--order", "pair", "--pairs", "3"]
+    assert main([*learn, "-o", "rock.stex", "--json", "-q"]) == 0
+    assert json.loads(capsys.readouterr().out)["labels"] == 3
+    draw = ["synthesize", "rock.stex", "--sweeps", "2", "-q", "-o", "a.png"]
+    assert main([*draw, "--size", "40x32", "--age", "1"]) == 0
+    assert set(np.unique(np.asarray(Image.open("a_labels.png")))) <= {0, 127, 255}
+    assert main([*draw, "--labels", "labels.png"]) == 0
+    assert np.asarray(Image.open("a.png")).shape == (96, 96)
+    assert main([*draw, "--labels", "stones.png"]) == 2
+    assert "a label map has at most 8" in capsys.readouterr().err
+    assert main(["learn", "rock.png", "--labels", "stones.png", "-o", "x.stex"]) == 2
+    assert main(["erode", "rock.stex", "-o", "age.png", "--size", "32x32", "--grow", "1", "-q"]) == 0
+    assert [path.name for path in sorted(stones.glob("age_?.png"))] == ["age_0.png", "age_1.png", "age_2.png"]
+
+
+def test_masks_and_layouts_are_worn(stones, capsys):
+    Image.fromarray(cracks(96, 12) * 255).save("net.png")
+    assert main(["learn", "net.png", "--as-labels", "-o", "net.stex", "-q"]) == 0
+    for subject in ("net.png", "net.stex"):
+        assert main(["erode", subject, "-o", "worn.png", "--size", "48x48", "-q"]) == 0
+        shares = [np.asarray(Image.open(f"worn_{k}.png")).mean() for k in range(5)]
+        assert shares == sorted(shares)
+    assert main(["erode", "stones.png", "-o", "worn.png"]) == 2
+    assert "at most 8" in capsys.readouterr().err
+
+
+def test_pictures_are_filled_and_knitted(stones, capsys):
+    hole = np.zeros((96, 96), np.uint8)
+    hole[40:60, 30:60] = 255
+    Image.fromarray(hole).save("hole.png")
+    quick = ["--order", "pair", "--radius", "4", "-q"]
+    assert main(["fill", "stones.png", "--mask", "hole.png", "-o", "filled.png", *quick]) == 0
+    assert (np.asarray(Image.open("filled.png")) == pebbles(96))[hole == 0].all()
+    assert main(["knit", "stones.png", "stones.png", "stones.png", "-o", "long.png", *quick]) == 0
+    assert np.asarray(Image.open("long.png")).shape == (96, 288)
+    assert main(["knit", "stones.png", "-o", "long.png"]) == 2
+    assert main(["fill", "stones.png", "--mask", "none.png", "-o", "x.png"]) == 2
+    assert capsys.readouterr().err.count("\n") == 2

@@ -134,7 +134,7 @@ def named_model(name: str) -> TextureModel:
         If there is none, or it is damaged.
     """
     if Path(name).suffix.lower() in SUFFIXES:
-        return load_model(name)
+        return _texture(load_model(name), name)
     known = shelved("composite", SUFFIXES[0])
     if name not in known:
         raise InputError(
@@ -142,7 +142,13 @@ def named_model(name: str) -> TextureModel:
             f"{' or '.join(SUFFIXES)}"
         )
     with as_file(files("surftex.materials.presets").joinpath("composite", name + SUFFIXES[0])) as path:
-        return load_model(path)
+        return _texture(load_model(path), name)
+
+
+def _texture(model: object, name: str) -> TextureModel:
+    if not isinstance(model, TextureModel):
+        raise InputError(f"{name}: is no plain texture")
+    return model
 
 
 def _directions(composite: Composite, surface: Surface, fields: Any) -> DirectionField:
