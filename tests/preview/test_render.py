@@ -7,8 +7,9 @@ from surftex.charts.atlas import Atlas
 from surftex.errors import InputError, RecipeError
 from surftex.files.images import read_png
 from surftex.kernels.view import nearest_faces
+from surftex.preview import render as stills
 from surftex.preview.camera import camera_for
-from surftex.preview.render import render, render_file
+from surftex.preview.render import render, render_file, render_files
 from surftex.preview.sheet import contact_sheet, written
 from surftex.preview.studio import SoftBox, Studio
 from surftex.preview.texture import Pyramid, linear_light
@@ -181,24 +182,28 @@ def test_facets_of_a_smooth_mesh_throw_no_shadows_on_themselves():
     assert np.percentile(np.abs(coarse - fine)[inside], 99) < 8
 
 
-def test_turntables_views_lights_and_sheets(tmp_path, meshes):
-    from surftex.preview.render import render_files
+def test_turntables_views_lights_and_sheets(tmp_path, monkeypatch):
+    taken = []
 
-    torus = meshes / "torus.obj"
-    paths = render_files(torus, tmp_path / "t.png", turntable=3, views=["front"], **SMALL)
+    def still(bodies, *, view, light, size):
+        taken.append((view, light))
+        return np.full((size[1], size[0], 3), len(taken), np.uint8)
+
+    monkeypatch.setattr(stills, "render", still)
+    ball, size = sphere(5.0, subdivisions=1), {"size": (40, 30)}
+    paths = render_files(ball, tmp_path / "t.png", turntable=3, views=["front"], **size)
     assert [path.name for path in paths] == ["t-000.png", "t-001.png", "t-002.png"]
-    first, second = (read_png(path) for path in paths[:2])
-    np.testing.assert_array_equal(first, render(torus, view=(0.0, 5.0), **SMALL))
-    assert (first != second).any()
+    assert taken == [((0.0, 5.0), "studio"), ((120.0, 5.0), "studio"), ((240.0, 5.0), "studio")]
+    assert [read_png(path)[0, 0, 0] for path in paths] == [1, 2, 3]
     paths = render_files(
-        torus, tmp_path / "v.png", views=["top", (10.0, 20.0)], lights=["studio", "raking"], **SMALL
+        ball, tmp_path / "v.png", views=["top", (10.0, 20.0)], lights=["studio", "raking"], **size
     )
     assert [path.name for path in paths] == [
         "v-top-studio.png", "v-top-raking.png", "v-10_20-studio.png", "v-10_20-raking.png",
     ]  # fmt: skip
-    (sheet,) = render_files(torus, tmp_path / "s.png", views=["top", "front"], sheet=True, **SMALL)
-    assert read_png(sheet).shape[1] > 2 * SMALL["size"][0]
+    (sheet,) = render_files(ball, tmp_path / "s.png", views=["top", "front"], sheet=True, **size)
+    assert read_png(sheet).shape[1] > 80
     with pytest.raises(RecipeError, match="turntable"):
-        render_files(torus, tmp_path / "t.png", turntable=1)
+        render_files(ball, tmp_path / "t.png", turntable=1)
     with pytest.raises(RecipeError, match="no view"):
-        render_files(torus, tmp_path / "t.png", turntable=3, views=["sideways"])
+        render_files(ball, tmp_path / "t.png", turntable=3, views=["sideways"])

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +78,7 @@ class Gathered:
     """
 
     column: Mapping[str, Float]
-    biology: Mapping[str, Float]
+    biology: Mapping[str, NDArray[Any]]
     appearance: SkinAppearance
     net: tuple[Float, Float, Float] | None
     wrinkle: tuple[Float, Float] | None
