@@ -22,6 +22,7 @@ GROWS = ("cells",)
 """Materials that grow."""
 
 _KIND = "growth"
+_PARTICLE = "particle"
 _GROUPS = ("growth", "field")
 _MORE_KEYS = ("kind", "cell_size", "cell_ratio", "direction")
 _FREE_KEYS = ("generations",)
@@ -98,6 +99,16 @@ class Growth:
             )
         self._done = {kind: table for kind, table in features.items() if kind != _KIND}
         return self._done
+
+    @property
+    def states(self) -> list[tuple[int, Mapping[str, NDArray]]]:
+        """States of the lowest layer that grows, as generation and particles, by that layer's own names."""
+        kinds = [next(iter(features)) for _, features in self.seen]
+        return [
+            (generation, {_PARTICLE: features[kinds[0]]})
+            for (generation, features), kind in zip(self.seen, kinds, strict=True)
+            if kind == kinds[0]
+        ]
 
     @contextmanager
     def kept(self, stages: Stages, name: str) -> Iterator[StageTick]:

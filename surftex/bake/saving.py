@@ -1,5 +1,6 @@
-"""Saving a bake: maps, GLB, features, report, the displaced mesh where wanted; all of them or nothing."""
+"""Saving a bake: maps, GLB, features, report, the displaced mesh and more where wanted; all of them or nothing."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,12 +9,17 @@ from surftex.files.output import check_output, whole_output
 
 if TYPE_CHECKING:
     from surftex.bake.displacing import Baked
+    from surftex.maps.mapset import MapSet
+
+More = tuple[Sequence[str], Callable[[Path], None]]
+"""Names of further files, and what writes them into a folder."""
 
 
 def save(
     baked: "Baked",
     folder: str | Path,
     *,
+    more: More | None = None,
     overwrite: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
@@ -26,6 +32,8 @@ def save(
         From `surftex.bake.bake.run`.
     folder : path
         Made when it is missing; files of other names in it stay.
+    more : (names, write), optional
+        Further files, and what writes them.
     overwrite : bool
         Whether files of the same names may be replaced.
     threads : int, optional
@@ -47,17 +55,68 @@ def save(
     """
     told = progress or (lambda stage, share: None)
     displaced = baked.recipe.bake.displaced
-    names = [*baked.maps.file_names, *([baked.displaced_name] if displaced else [])]
-    check_output(folder, names, overwrite=overwrite)
-    with whole_output(folder, overwrite=overwrite) as workplace:
+    names = [*([baked.displaced_name] if displaced else []), *(more[0] if more else [])]
+
+    def write(workplace: Path) -> None:
         if displaced:
             from surftex.bake.displacing import write_displaced
 
             told("displace", 0.0)
             write_displaced(baked, workplace, threads=threads, tick=lambda share: told("displace", share))
             told("displace", 1.0)
+        if more:
+            more[1](workplace)
+
+    return save_maps(
+        baked.maps, folder, more=(names, write), overwrite=overwrite, threads=threads, progress=progress
+    )
+
+
+def save_maps(
+    maps: "MapSet",
+    folder: str | Path,
+    *,
+    more: More | None = None,
+    overwrite: bool = False,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> list[Path]:
+    """Write maps and further files, which the report names too.
+
+    Parameters
+    ----------
+    maps : MapSet
+        What was made.
+    folder : path
+        As for `save`.
+    more : (names, write), optional
+        As for `save`.
+    overwrite : bool
+        As for `save`.
+    threads : int, optional
+        As for `save`.
+    progress : callable, optional
+        As for `save`.
+
+    Returns
+    -------
+    paths : list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        As `save`.
+    WorkError
+        As `save`.
+    """
+    told = progress or (lambda stage, share: None)
+    names, write = more or ((), lambda workplace: None)
+    check_output(folder, [*maps.file_names, *names], overwrite=overwrite)
+    with whole_output(folder, overwrite=overwrite) as workplace:
+        write(workplace)
         told("save", 0.0)
-        baked.maps.write(workplace, threads=threads)
-        names = sorted(path.name for path in workplace.iterdir())
+        maps.write(workplace, threads=threads)
+        written = sorted(path.name for path in workplace.iterdir())
     told("save", 1.0)
-    return [Path(folder) / name for name in names]
+    return [Path(folder) / name for name in written]

@@ -86,7 +86,7 @@ def bake_tile(
         page = tile.page(recipe.bake.resolution, threads=threads, tick=told)
     page["height"] = page.pop("height_mm")
     page["normal"] = tile_normals(page["height"], side_mm)
-    atlas = Atlas.of(sheet, sheet.corner_uv)
+    atlas = Atlas.of(sheet, np.asarray(sheet.corner_uv))
     report = {
         **_facts(recipe, side_mm),
         "cells": cell_statistics(tile.features["cell"]),

@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from surftex.cli.say import note, out
-from surftex.cli.watch import ColdWatch
+from surftex.cli.watch import ColdWatch, Watch
 from surftex.errors import RecipeError
 
 if TYPE_CHECKING:
+    from surftex.bake.growing import Growth
+    from surftex.bake.saving import More
+    from surftex.maps.mapset import MapSet
     from surftex.recipe.model import Recipe
 
 
@@ -42,13 +45,15 @@ def run(options: Namespace) -> None:
     from surftex.kernels import store
 
     threads, cold = options.threads, not store.is_warm() and not options.quiet
-    growth = None if options.growth is None else Growth(options.growth)
+    wanted = options.growth is not None or options.frames
+    growth = Growth(options.growth, options.frames) if wanted else None
     with ColdWatch(cold=cold, quiet=options.quiet, verbose=options.verbose) as watch:
         baked = bake_run(
             recipe, features=options.features, threads=threads, tile=options.tile, progress=watch,
             remember=options.cache, growth=growth,
         )  # fmt: skip
-        paths = save(baked, folder, overwrite=options.overwrite, threads=threads, progress=watch)
+        more = None if growth is None else frames_of(baked.maps, recipe, growth, options, watch)
+        paths = save(baked, folder, more=more, overwrite=options.overwrite, threads=threads, progress=watch)
     store.mark_warm()
     report = json.loads((folder / "report.json").read_text("utf-8"))
     if not options.quiet:
@@ -63,6 +68,40 @@ def run(options: Namespace) -> None:
         side, texels = report["resolution"], report["texels"]
         out(f"{folder}: {len(paths)} files; {side} x {side}, {texels:,} texels; {counts or 'no features'}; "
             f"{time.perf_counter() - started:.1f} s")  # fmt: skip
+
+
+def frames_of(
+    maps: "MapSet", recipe: "Recipe", growth: "Growth", options: Namespace, watch: Watch
+) -> "More | None":
+    """Prepare the frames of a growth, and say where some are missing.
+
+    Parameters
+    ----------
+    maps : MapSet
+        What was baked in the end.
+    recipe : Recipe
+        Of the bake.
+    growth : Growth
+        With the states that were seen.
+    options : Namespace
+        From the command line.
+    watch : Watch
+        Told how far it is.
+
+    Returns
+    -------
+    more : (names, write), or None
+        For `surftex.bake.saving.save`.
+    """
+    if not growth.frames:
+        return None
+    from surftex.preview.growth import frames_to_write
+
+    missing = growth.frames - len(growth.states)
+    if missing > 0 and not options.quiet:
+        note(f"note: {missing} of {growth.frames} frames were not seen: the growth had passed them, or has fewer "
+             "generations")  # fmt: skip
+    return frames_to_write(maps, recipe, growth, threads=options.threads, progress=watch)
 
 
 def make_recipe(options: Namespace) -> "Recipe":

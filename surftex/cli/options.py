@@ -167,6 +167,7 @@ def _bake(parser: Parser) -> None:
     parser.add_argument(
         "--growth", metavar="FILE.npz", help="keep the growth of cells in this file, and go on from it"
     )
+    _frames(parser)
     parser.add_argument("--displaced", action="store_true", help="write the displaced mesh as well")
     parser.add_argument(
         "--displaced-format",
@@ -212,6 +213,7 @@ def _tile(parser: Parser) -> None:
     parser.add_argument(
         "--growth", metavar="FILE.npz", help="keep the growth in this file, and go on from it"
     )
+    _frames(parser)
     parser.add_argument(
         "--max-features", type=_whole, metavar="N", help="refuse beyond this (default: 5000000)"
     )
@@ -485,6 +487,12 @@ def _render(parser: Parser) -> None:
     )
     parser.add_argument("--up", choices=["x", "y", "z"], help="axis that points up (default: y)")
     parser.add_argument("--background", metavar="COLOUR", help="such as #e9e7e4")
+
+
+def _frames(parser: Parser) -> None:
+    parser.add_argument(
+        "--frames", type=_whole, metavar="N", default=0, help="draw the growth of cells in N pictures as well"
+    )
 
 
 def _scale(parser: Parser) -> None:

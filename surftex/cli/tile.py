@@ -4,6 +4,7 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
+from surftex.cli.bake import frames_of
 from surftex.cli.say import out
 from surftex.cli.watch import ColdWatch
 from surftex.errors import RecipeError
@@ -23,6 +24,7 @@ def run(options: Namespace) -> None:
         With everything a user can mend, in one line.
     """
     from surftex.bake.growing import Growth
+    from surftex.bake.saving import save_maps
     from surftex.bake.tiling import bake_tile
     from surftex.files.output import check_output
     from surftex.kernels import store
@@ -42,13 +44,14 @@ def run(options: Namespace) -> None:
         raise RecipeError(f"--side: {problem}") from None
     folder, stem = Path(options.out or f"{name}-tile"), f"{name}-tile"
     check_output(folder, [f"{stem}.glb", "features.npz", "report.json"], overwrite=options.overwrite)
-    growth = Growth(options.growth)
+    growth = Growth(options.growth, options.frames)
     cold = not store.is_warm("tile") and not options.quiet
     with ColdWatch(cold=cold, quiet=options.quiet, verbose=options.verbose) as watch:
         maps = bake_tile(recipe, side, growth=growth, threads=options.threads, progress=watch, stem=stem)
-        watch("save", 0.0)
-        paths = maps.save(folder, overwrite=options.overwrite, threads=options.threads)
-        watch("save", 1.0)
+        paths = save_maps(
+            maps, folder, more=frames_of(maps, recipe, growth, options, watch), overwrite=options.overwrite,
+            threads=options.threads, progress=watch,
+        )  # fmt: skip
     store.mark_warm("tile")
     report = json.loads((folder / "report.json").read_text("utf-8"))
     if options.json:

@@ -16,6 +16,7 @@ TITLES = {
     "seams": "measuring seams",
     "scales": "comparing scales",
     "displace": "displacing the mesh",
+    "frames": "drawing frames",
     "save": "writing files",
     "match": "matching",
     "learn": "learning the texture",

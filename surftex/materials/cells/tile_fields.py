@@ -87,7 +87,7 @@ def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> Push | None:
     """
     size, step = float(cells.cell_size), side_mm / GRID
     line = (np.arange(GRID) + 0.5) * step
-    place = np.stack(np.meshgrid(line, line), axis=2).reshape(-1, 2)
+    place: NDArray[np.float64] = np.stack(np.meshgrid(line, line), axis=2, dtype=np.float64).reshape(-1, 2)
     force = np.zeros((GRID, GRID, 2))
     found = False
     if cells.potential is not None and cells.potential_force > 0:
