@@ -73,6 +73,32 @@ def biologies(count):
     return result
 
 
+def one_by_one(making, biology):
+    """Fill a single entry without reuse: absorption ends paths by chance, then its BRDF and its fit."""
+    bins, brdf = making.bins, np.zeros((3, making.bins.count))
+    thick = [biology["stratum_corneum_cm"], biology["epidermis_cm"], 0.02, 0.18]
+    for nm, weights in zip(NM, rgb_weights(NM), strict=True):
+        depth = absorption(WHITE, [nm], biology)[:, 0] * thick
+        walked = crossing_paths(WHITE, nm, making.paths, depth=depth)
+        step = bins.incident(walked.cosine)
+        weight = walked.weight / np.bincount(step, minlength=bins.zenith)[step] / bins.solid_angle
+        seen = np.bincount(bins.of(walked.cosine, walked.leaving), weight, minlength=bins.count)
+        brdf += weights[:, None] * seen
+    return match(SHADERS[making.shader], bins, bins.symmetric(brdf)[None])
+
+
+def noise_ratio(biology, paths):
+    """Variance of a colour, all channels together: paths that absorption ends, over paths that serve every absorber."""
+    thick, sums = [biology["stratum_corneum_cm"], biology["epidermis_cm"], 0.02, 0.18], np.zeros(2)
+    for nm, weights in zip(NM, rgb_weights(NM), strict=True):
+        depth = absorption(WHITE, [nm], biology)[:, 0] * thick
+        whole = crossing_paths(WHITE, nm, paths)
+        ended = crossing_paths(WHITE, nm, paths, seed=1, depth=depth)
+        reused = whole.weight * np.exp(-whole.lengths @ depth)
+        sums += (weights**2).sum() * np.array([ended.weight.var(), reused.var()])
+    return sums[0] / sums[1]
+
+
 def precalculation(paths):
     making = Making(
         engine="biospec", nodes=THESIS, crowded=False, paths=paths, beam_paths=0, tissue=WHITE, lock_surface=False
@@ -85,13 +111,17 @@ def precalculation(paths):
     print(
         f"  {whole.cpu:.1f} CPU-s, {whole.wall:.1f} s (goal: 20 CPU-s, 120 s; the thesis: 22 h on two machines)"
     )
-    biology = {name: each.usual for name, each in PARAMETERS.items()}
+    values = biologies(4)
+    entries = [{name: float(value[i]) for name, value in values.items()} for i in range(4)]
     with clock() as one:
-        for nm in NM:
-            thick = [biology["stratum_corneum_cm"], biology["epidermis_cm"], 0.02, 0.18]
-            crossing_paths(WHITE, nm, paths, depth=absorption(WHITE, [nm], biology)[:, 0] * thick)
+        for each in entries:
+            one_by_one(making, each)
+    times = 729 * one.cpu / 4 / whole.cpu
+    noisier = [noise_ratio(each, paths // 4) for each in entries]
     print(
-        f"  walked entry by entry: {one.cpu:.2f} CPU-s each, {729 * one.cpu / whole.cpu:.0f} times as long in all"
+        f"  entry by entry (walk, BRDF, fit): {one.cpu / 4:.2f} CPU-s each, {times:.0f} times as long in all for as many "
+        f"photons;\n  their variance is {min(noisier):.1f} to {max(noisier):.1f} times ours: "
+        f"{times * np.mean(noisier):.0f} times as long for the same noise (goal: 200)"
     )
     other = make_table(replace(making, seed=1))
     noise = (table.values - other.values)[..., :3].reshape(-1, 3) / np.sqrt(2)
@@ -138,6 +168,50 @@ def matching(paths):
             f"  {name:18} {1e3 * one.cpu / count:.3f} ms  {np.median(found.residual):.3f}  {np.sqrt((wrong**2).mean()):.4f} "
             f"{np.abs(wrong).max():.4f}  {np.median(shader.roughness(found.shape)):.3f}  {np.median(found.reflectance):.3f}"
         )
+
+
+def annealing(paths):
+    """The thesis' search against variable projection: what it costs, and how much worse it ends."""
+    from scipy.optimize import dual_annealing
+
+    bins, count = Bins(), 3
+    lobe, shares = surface_lobe(Tissue(), bins), stream(2, "annealing").uniform(count, 3)
+    walked = crossing_paths(WHITE, 600.0, 31 * paths)
+    step = bins.incident(walked.cosine)
+    weight = walked.weight / np.bincount(step)[step] / bins.solid_angle
+    total, zero = np.zeros((bins.count, 1, count, 1)), np.zeros(1)
+    Absorbers(zero, np.sort(2 * shares[:, 0]), zero + 0.05, zero + 0.1).sums(
+        walked, weight, bins.of(walked.cosine, walked.leaving), np.ones(1), total
+    )
+    brdf = (bins.symmetric(total[:, 0, :, 0].T) + lobe)[:, None] * np.array([1, 0.9, 0.8])[None, :, None]
+    print(f"annealing {count} of these, 3001 evaluations each: squares left over ours, ms")
+    for name, shader in SHADERS.items():
+        parts, places = bin_parts(name, bins), np.arange(len(shader.shapes))
+        found, ratios = match(shader, bins, brdf), []
+        with clock() as one:
+            for n in range(count):
+
+                def left(x, n=n, parts=parts, places=places):
+                    low = min(int(x[0]), len(places) - 2)
+                    part = parts[:, :, low] * (1 - x[0] + low) + parts[:, :, low + 1] * (x[0] - low)
+                    model = x[2:, None] * part[:, 0] + part[:, 1] + x[1] * part[:, 2]
+                    return ((model - brdf[n]) ** 2).sum()
+
+                best = dual_annealing(
+                    left, [(0, 95), (0, 1), (0, 1), (0, 1), (0, 1)], maxfun=3001, no_local_search=True, seed=n
+                ).fun  # fmt: skip
+                ratios.append(best / (found.residual[n] ** 2 * (brdf[n] ** 2).sum()))
+        print(f"  {name:18} {min(ratios):.2f} to {max(ratios):.2f}, {1e3 * one.cpu / count:.0f} ms")
+
+
+def folds(rays):
+    """How well each model takes the bare surface, over facets of GGX and over those of the thesis."""
+    bins = Bins()
+    print("the bare surface alone, residual over facets of GGX, and of the thesis (cubed denominator)")
+    lobes = [surface_lobe(Tissue(facets=facets), bins, rays=rays) for facets in ("ggx", "biospec")]
+    for name, shader in SHADERS.items():
+        left = match(shader, bins, np.array(lobes)[:, None].repeat(3, 1)).residual
+        print(f"  {name:18} {left[0]:.3f}  {left[1]:.3f}")
 
 
 def colors(walked, biology):
@@ -224,6 +298,8 @@ def main():
     slabs(int(1_000_000 * small))
     precalculation(int(100_000 * small))
     matching(int(64_000 * small))
+    annealing(int(20_000 * small))
+    folds(int(2_000_000 * small))
     tables(int(8000 * small), 200)
     look_ups(int(3_000_000 * small))
     types()

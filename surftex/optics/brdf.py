@@ -149,6 +149,32 @@ def surface_lobe(
     return bins.symmetric(counts * bins.zenith / (rays * bins.solid_angle))
 
 
+def sorted_into(
+    weight: NDArray[np.float64], bin_of: NDArray[np.int64], count: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Sort paths into bins; those of weight 0 are left out.
+
+    Parameters
+    ----------
+    weight : (n,) float64
+        Of each path.
+    bin_of : (n,) int64
+        Bin of each path.
+    count : int
+        Bins in all.
+
+    Returns
+    -------
+    order : (k,) int64
+        Paths, bin by bin.
+    start : (count + 1,) int64
+        Bin b owns ``order[start[b]:start[b + 1]]``.
+    """
+    used = np.flatnonzero(weight)
+    order = used[np.argsort(bin_of[used], kind="stable")]
+    return order, np.searchsorted(bin_of[order], np.arange(count + 1))
+
+
 @dataclass(frozen=True, eq=False)
 class Absorbers:
     """Combinations of absorbers: each of `corneum` with each of `epidermis` with each of the dermis.
@@ -200,11 +226,40 @@ class Absorbers:
         threads : int, optional
             None means every core; bins are added up in the order of the paths, whatever it is.
         """
+        self.sorted_sums(
+            paths, weight, sorted_into(weight, bin_of, len(total)), share, total, threads=threads
+        )
+
+    def sorted_sums(
+        self,
+        paths: Paths,
+        weight: NDArray[np.float64],
+        places: tuple[NDArray[np.int64], NDArray[np.int64]],
+        share: NDArray[np.float64],
+        total: NDArray[np.float64],
+        *,
+        threads: int | None = None,
+    ) -> None:
+        """Do as `sums` for paths that are sorted already.
+
+        Parameters
+        ----------
+        paths : Paths
+            Their lengths.
+        weight : (n,) float64
+            Of each path where nothing absorbs.
+        places : pair of arrays
+            From `sorted_into`.
+        share : (c,) float64
+            What a path gives to each channel.
+        total : (bins, c, e, s * d) float64
+            What to add to.
+        threads : int, optional
+            None means every core.
+        """
         from surftex.kernels.absorb import absorb
 
-        used = np.flatnonzero(weight)
-        order = used[np.argsort(bin_of[used], kind="stable")]
-        start = np.searchsorted(bin_of[order], np.arange(len(total) + 1))
+        order, start = places
 
         def work(first: int, last: int) -> None:
             row = np.zeros(total.shape[2:])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick
-from surftex.optics.brdf import Absorbers, Bins, surface_lobe
+from surftex.optics.brdf import Absorbers, Bins, sorted_into, surface_lobe
 from surftex.optics.matching import match
 from surftex.optics.nodes import nodes
 from surftex.optics.paths import Paths, check_engine, crossing_paths, volume_paths
@@ -165,6 +165,9 @@ def make_table(
     return SkinTable(np.stack(columns, axis=2), making.settings())
 
 
+_Sorted = tuple[Paths, NDArray[np.float64], tuple[NDArray[np.int64], NDArray[np.int64]]]
+
+
 class _Maker:
     """What the pieces of a table share."""
 
@@ -172,7 +175,7 @@ class _Maker:
         self.making, self.threads = making, threads
         self.axes = {name: nodes(name, making.nodes[name], crowded=making.crowded) for name in PARAMETERS}
         self.weights = rgb_weights(making.nm)
-        self.crossed: dict[float, Paths] = {}
+        self.crossed: dict[float, _Sorted] = {}
 
     @cached_property
     def surface(self) -> NDArray[np.float64]:
@@ -197,15 +200,23 @@ class _Maker:
             )
         return Absorbers(corneum, pigment, papillary, reticular)
 
-    def walk(self, nm: float, corneum_cm: NDArray, epidermis_cm: float) -> Paths:
+    def walk(self, nm: float, corneum_cm: NDArray, epidermis_cm: float) -> _Sorted:
+        """Paths under even light, sorted into the bins of the BRDF; no thickness changes those of the thesis' walk."""
         making = self.making
         if making.engine == "biospec":
             if nm not in self.crossed:
-                self.crossed[nm] = crossing_paths(
-                    making.tissue, nm, making.paths, seed=making.seed, threads=self.threads
+                self.crossed[nm] = self.sorted(
+                    crossing_paths(making.tissue, nm, making.paths, seed=making.seed, threads=self.threads)
                 )
             return self.crossed[nm]
-        return self.beam(nm, making.paths, float(corneum_cm[0]), epidermis_cm, cosine=0.0)
+        return self.sorted(self.beam(nm, making.paths, float(corneum_cm[0]), epidermis_cm, cosine=0.0))
+
+    def sorted(self, paths: Paths) -> _Sorted:
+        """Paths with their weight in the BRDF, and where they belong."""
+        bins = self.making.bins
+        step = bins.incident(paths.cosine)
+        weight = paths.weight / np.bincount(step, minlength=bins.zenith)[step] / bins.solid_angle
+        return paths, weight, sorted_into(weight, bins.of(paths.cosine, paths.leaving), bins.count)
 
     def beam(self, nm: float, count: int, corneum_cm: float, epidermis_cm: float, cosine: float) -> Paths:
         making = self.making
@@ -225,12 +236,9 @@ class _Maker:
         wide = np.zeros((len(EDGES_MM) + 1, 3, e, s * d))
         for k, nm in enumerate(making.nm):
             yield 0.9 * k / len(making.nm)
-            paths = self.walk(nm, corneum_cm, epidermis_cm)
+            paths, weight, places = self.walk(nm, corneum_cm, epidermis_cm)
             absorbers = self.absorbers(nm, corneum_cm, epidermis_cm, thick)
-            step = bins.incident(paths.cosine)
-            weight = paths.weight / np.bincount(step, minlength=bins.zenith)[step] / bins.solid_angle
-            where = bins.of(paths.cosine, paths.leaving)
-            absorbers.sums(paths, weight, where, self.weights[k], total, threads=self.threads)
+            absorbers.sorted_sums(paths, weight, places, self.weights[k], total, threads=self.threads)
             if making.beam_paths:
                 for r, thickness in enumerate(corneum_cm):
                     beam = self.beam(nm, making.beam_paths, float(thickness), epidermis_cm, cosine=1.0)

@@ -166,6 +166,15 @@ def _solved(
     if reflectance is None:
         top = s.sum(-1) - channels * fs - ds / dd * (d.sum(-1) - channels * df)
         level = np.clip(top / np.maximum(channels * (ss - ds * ds / dd), 1e-30), 0, 1)
+        for _ in range(
+            channels + 2
+        ):  # channels without diffuse light leave the elimination, and may come back
+            black = d < (df + level * ds)[..., None]
+            if not black.any():
+                break
+            lit, back = channels - black.sum(-1), np.where(black, 0, d).sum(-1)
+            top = s.sum(-1) - channels * fs - ds / dd * (back - lit * df)
+            level = np.clip(top / np.maximum(channels * ss - lit * ds * ds / dd, 1e-30), 0, 1)
     else:
         level = np.full(d.shape[:2], float(reflectance))
     rest = d - (df + level * ds)[..., None]

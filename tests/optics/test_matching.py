@@ -52,6 +52,22 @@ def test_no_search_finds_better(name):
         assert found.residual[n] <= np.sqrt(best / (one**2).sum()) * (1 + 1e-6)
 
 
+@pytest.mark.parametrize("name", SHADERS)
+def test_channels_without_diffuse_light_bend_no_reflectance(name):
+    """Where some channels want less diffuse light than none, a fine search over reflectance finds nothing better."""
+    shader, (base, fixed, scaled) = shader_named(name), bin_parts(name, BINS)[:, :, 50].T
+    brdf = brdfs_of(shader, shader.shapes[50], 0.05) - 0.12 * base
+    found = match(shader, BINS, brdf, shape=float(shader.shapes[50]))
+    assert (found.diffuse == 0).any()
+    for n, one in enumerate(brdf):
+        best = np.inf
+        for level in np.linspace(0, 0.3, 3001):
+            rest = one - fixed - level * scaled
+            factor = np.maximum(rest @ base / (base @ base), 0)
+            best = min(best, ((rest - factor[:, None] * base) ** 2).sum())
+        assert found.residual[n] <= np.sqrt(best / (one**2).sum()) * (1 + 1e-9) + 1e-7
+
+
 def test_a_held_surface_stays_held():
     shader = shader_named("ggx-lambert")
     found = match(shader, BINS, brdfs_of(shader, 0.3, 0.05), shape=0.35, reflectance=0.0465)
