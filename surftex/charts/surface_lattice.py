@@ -30,6 +30,24 @@ GUTTER_PX = 8
 _SLICE = 4096
 
 
+def lattice_atlas(surface: Surface) -> Atlas:
+    """Unwrap a surface for lattices of any pitch.
+
+    Parameters
+    ----------
+    surface : Surface
+        Where they shall lie.
+
+    Returns
+    -------
+    atlas : Atlas
+        Its charts are laid out anew by each lattice.
+    """
+    from surftex.charts.unwrap import unwrap
+
+    return unwrap(surface, method="uvunwrap", resolution=2048)
+
+
 @dataclass(frozen=True, eq=False)
 class SurfaceLattice:
     """Sites on a surface; make one with `SurfaceLattice.of`.
@@ -104,11 +122,9 @@ class SurfaceLattice:
         """
         from surftex.charts.oriented import oriented
         from surftex.charts.texels import texels
-        from surftex.charts.unwrap import unwrap
 
-        if atlas is None:
-            atlas = unwrap(surface, method="uvunwrap", resolution=2048)
-        atlas = oriented(surface, atlas, directions.angle_rad, texel_mm=pitch_mm, gutter_px=GUTTER_PX)
+        charts = lattice_atlas(surface) if atlas is None else atlas
+        atlas = oriented(surface, charts, directions.angle_rad, texel_mm=pitch_mm, gutter_px=GUTTER_PX)
         page = texels(surface, atlas, atlas.resolution, gutter_px=GUTTER_PX, threads=threads)
         core, around = np.flatnonzero(page.core), np.flatnonzero(~page.core)
         if len(core) == 0:

@@ -5,6 +5,7 @@ import pytest
 
 import surftex as sx
 from surftex.bake.bake import run
+from surftex.bake.fields import make_fields
 from surftex.charts.atlas import Atlas
 from surftex.charts.surface_lattice import SurfaceLattice
 from surftex.charts.unwrap import unwrap
@@ -16,8 +17,9 @@ from surftex.geodesics.directions import DirectionField
 from surftex.materials.composite.drawing import named_model
 from surftex.randomness import stream
 from surftex.recipe.read import recipe_files, recipe_from_text
-from surftex.surface.points import Samples
+from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.shapes import sphere, torus
+from tests.exemplar.pictures import cracks, patches, patchwork, pebbles
 
 PITCH = 0.5
 
@@ -129,8 +131,6 @@ def test_coarse_samples_read_the_mean(ball):
 
 
 def test_the_height_that_was_learnt_is_the_relief(ball, tmp_path):
-    from tests.exemplar.pictures import pebbles
-
     stones = pebbles(96)
     sx.learn_texture(stones, height=stones, roughness=255 - stones, order="pair", pairs=6).save(
         tmp_path / "s.stex"
@@ -175,3 +175,70 @@ def test_what_cannot_be_drawn_is_told_in_a_line(ball, options, what):
     with pytest.raises(InputError, match=what) as told:
         sx.bake(ball, sx.Composite(**options), resolution=64)
     assert "\n" not in str(told.value)
+
+
+@pytest.fixture(scope="module")
+def rock(tmp_path_factory):
+    """Light and dark patches with cracks over them, as a model file."""
+    label = np.where(cracks(128, 16) == 1, 2, patches(128)).astype(np.uint8)
+    model = sx.learn_composite(patchwork(label), label, over=True, order="pair", pairs=2, radius=4)
+    path = tmp_path_factory.mktemp("rock") / "rock.stex"
+    model.save(path)
+    return str(path), (label == 2).mean()
+
+
+def regions(surface, path, threads=None, **options):
+    """Labels of the pixels, and the height of each over the middle of the surface."""
+    fields = sx.Recipe.model_validate(
+        {"fields": {"low": {"gradient": [0, 0, -1]}}, "layer": [{"material": "leather"}]}
+    )
+    rock = sx.Composite(model=path, pixel_size=0.5, sweeps=4, **options)
+    pattern = rock.place(surface, 3, fields=make_fields(fields, surface), threads=threads)
+    points = SurfacePoints(pattern.features["pixel"]["face"], pattern.features["pixel"]["barycentric"])
+    return pattern, pattern.features["pixel"]["label"], points.positions(surface)[:, 2]
+
+
+def test_a_layout_is_drawn_on_the_surface(ball, rock):
+    pattern, label, _ = regions(ball, rock[0])
+    assert set(np.unique(label)) == {0, 1, 2}
+    assert (label == 2).mean() == pytest.approx(rock[1], abs=0.06)
+    again, _, _ = regions(ball, rock[0], threads=1)
+    assert again.features["pixel"].tobytes() == pattern.features["pixel"].tobytes()
+    points = SurfacePoints(pattern.features["pixel"]["face"], pattern.features["pixel"]["barycentric"])
+    answer = pattern.at(Samples(points, np.full(len(points), 0.1, np.float32)))
+    assert (answer["region"] == label).mean() > 0.999
+    tone = [answer["base_color"][label == each].mean() for each in range(3)]
+    assert tone == sorted(tone, reverse=True)
+
+
+def test_masks_choose_the_labels_and_ages_grow_where_they_say(ball, rock):
+    _, young, height = regions(ball, rock[0], labels=("low > 0.5",))
+    assert (young[(height > 1) & (young < 2)] == 0).all()
+    assert (young[(height < -1) & (young < 2)] == 1).all()
+    _, old, _ = regions(ball, rock[0], labels=("low > 0.5",), age="2 * low")
+    assert (old[young == 2] == 2).all()
+    grown = (old == 2) & (young != 2)
+    assert grown[height < -6].mean() > 3 * grown[height > 6].mean()
+    _, less, _ = regions(ball, rock[0], labels=("low > 0.5",), age=-0.5)
+    assert (young[less == 2] == 2).all()
+    assert (less == 2).sum() < (young == 2).sum()
+
+
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"labels": ("low", "low", "low")}, "labels has 3 masks; the model has 2 labels"),
+        ({"labels": ("lowly",)}, "lowly"),
+        ({"model": "gravel", "age": 1.0}, "labels and age are for composites"),
+    ],
+)
+def test_labels_that_do_not_fit_are_told_in_a_line(ball, rock, options, what):
+    with pytest.raises(RecipeError, match=what) as told:
+        regions(ball, options.pop("model", rock[0]), **options)
+    assert "\n" not in str(told.value)
+
+
+def test_a_layout_alone_is_no_material(ball, tmp_path):
+    sx.learn_labels(cracks(96, 12)).save(tmp_path / "net.stex")
+    with pytest.raises(InputError, match="a layout without textures"):
+        sx.bake(ball, sx.Composite(model=str(tmp_path / "net.stex")), resolution=64)

@@ -8,22 +8,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.charts.surface_lattice import SurfaceLattice
+from surftex.charts.surface_lattice import SurfaceLattice, lattice_atlas
 from surftex.errors import InputError, RecipeError
 from surftex.exemplar.bands import Bands
+from surftex.exemplar.composite import CompositeModel
+from surftex.exemplar.labels import LabelModel
 from surftex.exemplar.lattice import MISSING, Table
 from surftex.exemplar.model import TextureModel
 from surftex.exemplar.relaxation import asked_offsets
 from surftex.exemplar.smoothing import NEXT, within_levels
-from surftex.exemplar.store import SUFFIXES, load_model
+from surftex.exemplar.store import SUFFIXES, Model, load_model
 from surftex.geodesics.directions import DirectionField
 from surftex.kernels.pool import PartTick
+from surftex.materials.composite.labelling import LEAST_SITES, site_labels
 from surftex.materials.composite.model import Composite
 from surftex.materials.composite.pattern import CompositePattern
 from surftex.materials.parameters import linear_from_srgb
 from surftex.materials.presets import shelved
 from surftex.randomness import stream
 from surftex.surface.surface import Surface
+
+Texture = TextureModel | CompositeModel
 
 MOST_WALKS = 2**29
 """Most entries of the table of neighbours, 4 bytes each."""
@@ -74,6 +79,8 @@ def place(
         If there would be too many pixels, or a field does not fit.
     """
     model = named_model(composite.model)
+    if not isinstance(model, CompositeModel) and (composite.labels is not None or composite.age != 0):
+        raise RecipeError("labels and age are for composites; this model is one texture")
     expected = int(surface.area_mm2 / composite.pixel_size**2)
     offset = asked_offsets(model.target)
     most = min(max_features, MOST_WALKS // len(offset))
@@ -83,39 +90,74 @@ def place(
             f"pixels of {composite.pixel_size:.4g} mm on {surface.area_mm2:.4g} mm^2 are {expected}, more than {most}; "
             f"make pixel_size {1.02 * least:.3g} mm or more"
         )
-    directions = _directions(composite, surface, fields)
-    lattice = SurfaceLattice.of(surface, directions, composite.pixel_size, threads=threads)
+    lattices = _lattices(composite, surface, model, _directions(composite, surface, fields), threads)
+    lattice = lattices[0]
     if features is not None:
-        level = _given(features, lattice, model)
+        level, label = _given(features, lattice, model)
     else:
-        near = lattice.table(
-            offset, stream(seed, "composite", "steps"), threads=threads, tick=PartTick(tick, 0.05, 0.2)
-        )
-        level = model.levels_on(
-            Table(offset, near),
-            seed,
-            sweeps=composite.sweeps,
-            threads=threads,
-            tick=PartTick(tick, 0.2, 0.95),
-        )[:, :-1]
+        label = np.zeros(len(lattice), np.uint8)
+        if isinstance(model, CompositeModel):
+            label = site_labels(composite, model, lattices, seed, fields=fields, threads=threads)
+        steps = stream(seed, "composite", "steps")
+        table = Table(offset, lattice.table(offset, steps, threads=threads, tick=PartTick(tick, 0.1, 0.25)))
+        level = _levels(composite, model, table, label, seed, threads, PartTick(tick, 0.25, 0.95))
     around = Table(NEXT, lattice.table(NEXT, stream(seed, "composite", "steps"), threads=threads))
     held = np.pad(level, ((0, 0), (0, 1)), constant_values=MISSING)
-    number = within_levels(around, held, stream(seed, "exemplar", "within"))
+    number = within_levels(around, held, stream(seed, "exemplar", "within"), np.append(label, np.uint8(0)))
     value = _channels(composite, model.bands, model.bands.numbers_of(number) / 255)
     columns = np.column_stack([value[name] for name in value]).astype(np.float32)
     widths = {name: 1 if each.ndim == 1 else each.shape[1] for name, each in value.items()}
+    return CompositePattern(
+        composite, lattice.image(columns), widths, {"pixel": _pixels(lattice, level, label)}, lattice,
+        label if isinstance(model, CompositeModel) else None,
+    )  # fmt: skip
+
+
+def _lattices(
+    composite: Composite, surface: Surface, model: Model, directions: DirectionField, threads: int | None
+) -> list[SurfaceLattice]:
+    """Lay out the lattice of the pixels, and coarser ones for a layout that is drawn."""
+    atlas = lattice_atlas(surface)
+    lattices = [SurfaceLattice.of(surface, directions, composite.pixel_size, atlas=atlas, threads=threads)]
+    if isinstance(model, CompositeModel):
+        drawn = [] if composite.labels is not None else model.layout.models()
+        drawn += [] if model.over is None else [model.over]
+        for scale in range(1, max([len(each.targets) for each in drawn], default=1)):
+            pitch = composite.pixel_size * 2**scale
+            if surface.area_mm2 < LEAST_SITES * pitch**2:
+                break
+            lattices.append(SurfaceLattice.of(surface, directions, pitch, atlas=atlas, threads=threads))
+    return lattices
+
+
+def _levels(
+    composite: Composite, model: Texture, table: Table, label: NDArray[np.uint8], seed: int,
+    threads: int | None, tick: PartTick,
+) -> NDArray[np.uint8]:  # fmt: skip
+    if isinstance(model, CompositeModel):
+        group = np.append(label, np.uint8(0))
+        level = model.levels_on(table, seed, group, sweeps=composite.sweeps, threads=threads, tick=tick)
+    else:
+        level = model.levels_on(table, seed, sweeps=composite.sweeps, threads=threads, tick=tick)
+    return level[:, :-1]
+
+
+def _pixels(lattice: SurfaceLattice, level: NDArray[np.uint8], label: NDArray[np.uint8]) -> NDArray[Any]:
     table = np.zeros(
-        len(lattice), [("face", np.int32), ("barycentric", np.float64, 3), ("level", np.uint8, len(level))]
+        len(lattice),
+        [
+            ("face", np.int32),
+            ("barycentric", np.float64, 3),
+            ("level", np.uint8, len(level)),
+            ("label", np.uint8),
+        ],
     )
-    table["face"], table["barycentric"], table["level"] = (
-        lattice.points.face,
-        lattice.points.barycentric,
-        level.T,
-    )
-    return CompositePattern(composite, lattice.image(columns), widths, {"pixel": table})
+    table["face"], table["barycentric"] = lattice.points.face, lattice.points.barycentric
+    table["level"], table["label"] = level.T, label
+    return table
 
 
-def named_model(name: str) -> TextureModel:
+def named_model(name: str) -> Texture:
     """Read the model that a recipe names.
 
     Parameters
@@ -125,7 +167,7 @@ def named_model(name: str) -> TextureModel:
 
     Returns
     -------
-    model : TextureModel
+    model : TextureModel or CompositeModel
         Checked.
 
     Raises
@@ -145,9 +187,9 @@ def named_model(name: str) -> TextureModel:
         return _texture(load_model(path), name)
 
 
-def _texture(model: object, name: str) -> TextureModel:
-    if not isinstance(model, TextureModel):
-        raise InputError(f"{name}: is no plain texture")
+def _texture(model: Model, name: str) -> Texture:
+    if isinstance(model, LabelModel):
+        raise InputError(f"{name}: is a layout without textures; learn a picture with it (--labels)")
     return model
 
 
@@ -160,8 +202,8 @@ def _directions(composite: Composite, surface: Surface, fields: Any) -> Directio
 
 
 def _given(
-    features: Mapping[str, NDArray[Any]], lattice: SurfaceLattice, model: TextureModel
-) -> NDArray[np.uint8]:
+    features: Mapping[str, NDArray[Any]], lattice: SurfaceLattice, model: Texture
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     table = features.get("pixel")
     if table is None or len(table) != len(lattice) or table["level"].shape[1:] != (model.target.bands,):
         raise InputError(
@@ -172,7 +214,7 @@ def _given(
         raise InputError(
             f"the features hold levels beyond the {model.target.levels} of the model; draw it anew"
         )
-    return level
+    return level, np.ascontiguousarray(table["label"], np.uint8)
 
 
 def _channels(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from surftex.materials.parameters import Length, PositiveLength, Share
+from surftex.materials.parameters import Length, NumberField, PositiveLength, Share
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -45,6 +45,19 @@ class Composite(BaseModel):
         "How often each pixel is drawn; 40 for pairs and 80 for fours without it.",
         ge=1,
         le=1000,
+    )
+
+    labels: tuple[str, ...] | None = _field(
+        None,
+        "labels",
+        "For a composite: a mask (expression) for each label, or for all but the first; the greatest counts. Without it "
+        "the layout that was learnt is drawn.",
+    )
+    age: NumberField = _field(
+        0.0,
+        "labels",
+        "Millimetres, or an expression, by which what lies over a composite, such as cracks, has grown; below 0 it is "
+        "smaller.",
     )
 
     relief: Length = _field(
