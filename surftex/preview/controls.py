@@ -102,7 +102,7 @@ def controls(material: BaseModel) -> tuple[Control, ...]:
     for key in type(material).model_fields:
         if key == "kind":
             continue
-        made.append(_control(type(material), key, getattr(material, key)))
+        made.append(_control(type(material), key, getattr(material, key, None)))
     order = list(dict.fromkeys(control.group for control in made))
     return tuple(sorted(made, key=lambda control: order.index(control.group)))
 
