@@ -51,12 +51,13 @@ class MissingMeshError(Exception):
     """A mesh that is not shipped is not there."""
 
 
-def save(picture, name):
-    """Write a JPEG, no wider than WIDEST."""
+def save(picture, name, *, exact=False):
+    """Write a JPEG, no wider than WIDEST; `exact`: plain fields of colour, which must come out as they are."""
     image = Image.fromarray(np.asarray(picture))
     if image.width > WIDEST:
         image = image.resize((WIDEST, round(image.height * WIDEST / image.width)), Image.Resampling.LANCZOS)
-    image.save(HERE / "pictures" / f"{name}.jpg", quality=86, optimize=True)
+    how = {"quality": 97, "subsampling": 0} if exact else {"quality": 86}
+    image.save(HERE / "pictures" / f"{name}.jpg", optimize=True, **how)
 
 
 def shared(name):
@@ -312,7 +313,7 @@ def skin_colours():
         np.pad(each, ((0, high - len(each)), (0, 16), (0, 0)), constant_values=255)
         for each in (column, right)
     ]
-    save(np.concatenate(padded, axis=1), "skin-colours")
+    save(np.concatenate(padded, axis=1), "skin-colours", exact=True)
 
 
 PICTURES = {

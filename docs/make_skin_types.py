@@ -5,6 +5,7 @@ Run ``python -m docs.make_skin_types`` from the repository; a few seconds.
 
 from pathlib import Path
 
+from surftex.materials.skin.model import Skin
 from surftex.optics.appearance import lookup
 from surftex.optics.colour import difference, lab, typology_angle
 from surftex.optics.fitting import FREE, fit_reflectance
@@ -24,7 +25,16 @@ blood = {blood}
 oxygenation = {oxygenation}
 stratum_corneum = "0.01 mm"
 epidermis = "0.1 mm"
+# as much lighter and darker in patches as the usual, light skin; the same share of more melanin shows more
+mottle = {mottle:.2f}
+drift = {drift:.2f}
 """
+
+
+def shown(biology: dict[str, float]) -> float:
+    """How much darker 1.3 times the melanin looks, in L*."""
+    colors = lookup({**biology, "melanin": [biology["melanin"], 1.3 * biology["melanin"]]}).base_color
+    return float(lab(colors[0])[0] - lab(colors[1])[0])
 
 
 def main() -> None:
@@ -33,6 +43,8 @@ def main() -> None:
 
     head, *rows = table_rows("skin_types.csv")
     nm, text = np.array(head[2:], np.float64), HEAD
+    skin = Skin()
+    usual = {each: getattr(skin, each) for each in FREE}
     for name, count, *values in rows:
         measured = np.array(values, np.float64)
         fit = fit_reflectance(nm, measured, base_albedo=0.5)
@@ -44,7 +56,10 @@ def main() -> None:
             f"{name:13} rmse {fit.rmse:.4f}  dE00 {difference(lab(color), lab(seen)):.2f}  "
             f"ITA {typology_angle(color):5.1f} against {typology_angle(seen):5.1f}  {short}"
         )
-        preset = PRESET.format(Name=name.capitalize(), count=count, rmse=fit.rmse, **short)
+        even = min(1.0, shown(usual) / shown(short))
+        preset = PRESET.format(
+            Name=name.capitalize(), count=count, rmse=fit.rmse, mottle=even * skin.mottle, drift=even * skin.drift, **short
+        )  # fmt: skip
         path = ROOT / "materials" / "presets" / "skin" / f"skin-{name.replace(' ', '-')}.toml"
         path.write_text(preset, "utf-8")
     (ROOT / "optics" / "data" / "skin_fits.csv").write_text(text, "utf-8")

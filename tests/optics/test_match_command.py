@@ -94,6 +94,38 @@ def test_pieces_that_are_there_are_not_done_again():
     assert len(asked) < 15
 
 
+PHONG = """
+import numpy as np
+from surftex.optics.shaders.shader import Shader
+
+def parts(exponent, geometry):
+    lobe = (exponent + 2) / (8 * np.pi) * geometry.half**exponent
+    return np.full_like(lobe, 1 / np.pi), np.zeros_like(lobe), lobe
+
+SHADER = Shader(
+    name="blinn", caption="Blinn and Phong's lobe over Lambert", shapes=np.geomspace(1.0, 1e4, 96), parts=parts,
+    shape_of=lambda width: 2 / width**2 - 2, roughness=lambda exponent: (2 / (exponent + 2)) ** 0.25,
+    color=lambda diffuse, reflectance: diffuse,
+)
+"""
+
+
+def test_a_new_render_model_is_one_file(folder, monkeypatch, capsys):
+    from surftex.cli import main
+    from surftex.optics.shaders import SHADERS
+
+    names: dict = {}
+    exec(compile(PHONG, "blinn.py", "exec"), names)
+    monkeypatch.setitem(SHADERS, "blinn", names["SHADER"])
+    monkeypatch.chdir(folder)
+    assert main(["match", "--shader", "blinn", "-q", *SMALL]) == 0, capsys.readouterr().err
+    table = load_table(folder / "skin-blinn.npz")
+    assert table.settings["shader"] == "blinn"
+    look = lookup({"melanin": [0.01, 0.3]}, table=table)
+    assert (look.base_color[0] > look.base_color[1]).all()
+    assert np.abs(look.roughness - 0.35**0.5).max() < 0.1  # the fold of the surface
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
