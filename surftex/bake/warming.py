@@ -1,6 +1,7 @@
 """Compiling every kernel that a bake may need, by small bakes that use them all."""
 
 from surftex.bake.bake import bake
+from surftex.materials.cells.model import Cells
 from surftex.materials.leather.model import Leather
 from surftex.surface.shapes import cylinder, sphere
 
@@ -25,3 +26,6 @@ def warm() -> None:
         unwrapper="uvunwrap",
         maps="height,region",
     )
+    grown = Cells.preset("oriented", cell_size=2.0, generations=30, wrinkle_count=2, attraction=0.1)
+    bake(tube, grown, resolution=64, unwrapper="uvunwrap")
+    grown.tile(24.0).page(16)
