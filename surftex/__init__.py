@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from surftex.exemplar.mending import fill, knit
     from surftex.exemplar.metrics import metrics
     from surftex.exemplar.model import TextureModel
+    from surftex.exemplar.segments import segment
     from surftex.exemplar.store import load_model
     from surftex.files.features import load_features
     from surftex.geodesics.distance import geodesic_distance
@@ -72,6 +73,7 @@ _HOME = {
     "load_model": "surftex.exemplar.store",
     "metrics": "surftex.exemplar.metrics",
     "optics": "surftex",
+    "segment": "surftex.exemplar.segments",
     "shapes": "surftex.surface",
 }
 """The module that each public name lives in."""
@@ -112,6 +114,7 @@ __all__ = [
     "load_model",
     "metrics",
     "optics",
+    "segment",
     "shapes",
 ]
 

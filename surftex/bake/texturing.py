@@ -13,6 +13,7 @@ from surftex.exemplar.composite import CompositeModel, learn_composite
 from surftex.exemplar.labels import LabelModel, learn_labels
 from surftex.exemplar.learn import learn_texture
 from surftex.exemplar.metrics import metrics
+from surftex.exemplar.segments import segment
 from surftex.exemplar.store import SUFFIXES, Model, load_model
 from surftex.files.exemplars import read_exemplar, read_label_map
 from surftex.files.images import png_bytes
@@ -34,6 +35,7 @@ def learn_file(
     within: Mapping[int, str | Path] | None = None,
     over: bool = False,
     as_labels: bool = False,
+    segments: int | None = None,
     tick: Tick | None = None,
     **options: Any,
 ) -> dict[str, Any]:
@@ -57,6 +59,8 @@ def learn_file(
         Whether the last label lies over the others.
     as_labels : bool
         The picture itself is a label map: learn a layout.
+    segments : int, optional
+        Part the picture into so many labels by itself, and learn a composite.
     tick : callable, optional
         Told the finished share; may raise to cancel.
     **options : Any
@@ -75,6 +79,10 @@ def learn_file(
         If the model cannot be written.
     """
     target = _model_place(out)
+    if (labels is not None) + (segments is not None) + as_labels > 1:
+        raise InputError(
+            "a label map, segments, and a picture that is a label map exclude one another; choose one"
+        )
     if not 1 <= shrink <= 64:
         raise InputError(f"shrink is {shrink}; it takes 1 to 64")
     wall, processor = time.perf_counter(), time.process_time()
@@ -84,16 +92,18 @@ def learn_file(
         beside = {name: file for name, file in (aligned or {}).items() if file is not None}
         maps = {"picture": _shrunk(read_exemplar(image), shrink)}
         maps |= {name: _shrunk(_grey(read_exemplar(file)), shrink) for name, file in beside.items()}
+    if segments is not None:
+        maps["labels"] = segment(maps["picture"], segments)
     if labels is not None:
         maps["labels"] = read_label_map(labels)[::shrink, ::shrink]
         parts = {label: read_label_map(file)[::shrink, ::shrink] for label, file in (within or {}).items()}
-        options |= {"within": parts, "over": over}
+        options["within"] = parts
     picture = maps.pop("picture")
     try:
         if as_labels:
             model: Model = learn_labels(picture, mask=maps.get("mask"))
-        elif labels is not None:
-            model = learn_composite(picture, tick=tick, **maps, **options)
+        elif "labels" in maps:
+            model = learn_composite(picture, over=over, tick=tick, **maps, **options)
         else:
             model = learn_texture(picture, tick=tick, **maps, **options)
     except InputError as problem:

@@ -28,7 +28,8 @@ def run(options: Namespace) -> None:
         report = learn_file(
             options.subject, options.out, shrink=options.shrink, seed=options.seed,
             aligned={name: getattr(options, name) for name in ALIGNED},
-            labels=options.labels, within=_within(options.within), over=options.over, as_labels=options.as_labels,
+            labels=options.labels, within=_within(options.within), over=options.over,
+            as_labels=options.as_labels, segments=options.segment,
             tick=lambda share: watch("learn", share),
             **{name: value for name, value in asked.items() if value is not None},
         )  # fmt: skip

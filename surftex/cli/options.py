@@ -292,6 +292,12 @@ def _learn(parser: Parser) -> None:
         "--labels", metavar="LABELS.png", help="learn a composite: each tone is a texture of its own"
     )
     parser.add_argument(
+        "--segment",
+        type=_whole,
+        metavar="N",
+        help="learn a composite of N textures, parted by tone and roughness",
+    )
+    parser.add_argument(
         "--within", action="append", default=[], metavar="LABEL=LABELS.png",
         help="part a label, counted from 0 by tone, into labels itself; may be repeated",
     )  # fmt: skip

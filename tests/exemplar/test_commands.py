@@ -121,6 +121,7 @@ def test_a_composite_is_learnt_and_drawn_and_aged(stones, capsys):
     assert main([*draw, "--labels", "stones.png"]) == 2
     assert "a label map has at most 8" in capsys.readouterr().err
     assert main(["learn", "rock.png", "--labels", "stones.png", "-o", "x.stex"]) == 2
+    assert main(["learn", "rock.png", "--labels", "labels.png", "--segment", "2", "-o", "x.stex"]) == 2
     assert main(["erode", "rock.stex", "-o", "age.png", "--size", "32x32", "--grow", "1", "-q"]) == 0
     assert [path.name for path in sorted(stones.glob("age_?.png"))] == ["age_0.png", "age_1.png", "age_2.png"]
 

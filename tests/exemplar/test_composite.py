@@ -111,3 +111,12 @@ def test_a_composite_without_a_cover_has_no_age(model):
 def test_noise_teaches_labels_nothing():
     model = sx.learn_composite(noise(128), patches(128), order="pair")
     assert model.target.pair_used[:2].sum(axis=1).max() < 10
+
+
+def test_a_picture_is_parted_by_itself():
+    found = sx.segment(PICTURE, 2)
+    assert ((found == 0) == (LABEL == 1)).mean() > 0.95  # 0 is the darkest
+    assert sx.segment(np.repeat(PICTURE[..., None], 3, axis=2), 2).tobytes() == found.tobytes()
+    for labels, scale in ((1, 2.0), (9, 2.0), (2, 0.0)):
+        with pytest.raises(InputError, match=r"it takes|is parted into"):
+            sx.segment(PICTURE, labels, scale=scale)

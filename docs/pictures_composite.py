@@ -1,0 +1,226 @@
+"""Makes the pictures of learnt textures: `python -m docs.pictures_composite [NAME ...]`, in docs/pictures.
+
+Gravel, brick and gingham are those of `$SURFTEX_SHARED/exemplars`; breccia, grass and ground are made here. Quilting is
+that of benchmarks/quilting.py. Docstrings are captions.
+"""
+
+import itertools
+import os
+import sys
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import surftex as sx
+from benchmarks.quilting import quilt
+from docs.made_exemplars import breccia, grass, ground
+from docs.make_pictures import HERE, MESHES, MissingMeshError, save, shared
+from surftex.bake.bake import run
+from surftex.files.meshes import load
+from surftex.preview.render import render
+from surftex.preview.sheet import contact_sheet
+from surftex.recipe.read import recipe_from_text
+from surftex.surface.surface import Surface
+
+EXEMPLARS = Path(os.environ.get("SURFTEX_SHARED", HERE.parent.parent / "shared")) / "exemplars"
+WORK = Path(os.environ.get("SURFTEX_PICTURES_WORK", HERE / "pictures"))
+"""Where models of the pictures are kept while they are made."""
+
+
+def exemplar(name, by, side=256):
+    """An exemplar, scaled down."""
+    path = EXEMPLARS / name
+    if not path.exists():
+        raise MissingMeshError(f"{path} is not there; SURFTEX_SHARED names the folder that holds exemplars/")
+    picture = Image.open(path).convert("L" if "skimage" in name else "RGB")
+    small = picture.resize((picture.width // by, picture.height // by), Image.Resampling.BOX)
+    return np.ascontiguousarray(np.asarray(small)[:side, :side])
+
+
+def four(picture, **options):
+    """Exemplar, pairs, fours, quilting."""
+    height, width = picture.shape[:2]
+    drawn = [
+        sx.learn_texture(picture, order=order, **options).synthesize(width, height, 1)
+        for order in ("pair", "quad")
+    ]
+    return [picture, *drawn, quilt(picture, width, height, 1, patch=40 if options else 24)]
+
+
+def plain():
+    """Exemplar; drawn from pairs; from pairs and fours; quilted. Gravel, brick, grass, gingham."""
+    pictures = [
+        *four(exemplar("gravel_skimage.png", 2)),
+        *four(exemplar("brick_skimage.png", 2)),
+        *four(grass()),
+        *four(exemplar("fabric_pattern_07_col.jpg", 4), radius=40, spacings=(1, 2, 4, 8)),
+    ]
+    names = ("exemplar", "pairs", "pairs and fours", "quilting, which copies")
+    save(contact_sheet(pictures, names * 4, columns=4), "textures-plain")
+
+
+def knitted():
+    """Two pictures side by side; knitted; a hole in gravel; filled."""
+    stones, lawn = exemplar("gravel_skimage.png", 2), grass()
+    stones = np.repeat(stones[..., None], 3, axis=2)
+    rock = np.clip(stones * np.array([1.0, 0.95, 0.85]), 0, 255).astype(np.uint8)
+    above, below = rock[:128], np.ascontiguousarray(lawn[128:])
+    hole = ((np.mgrid[:256, :256] - 128.0) ** 2 / np.array([30.0**2, 55.0**2])[:, None, None]).sum(axis=0) < 1
+    holed = exemplar("gravel_skimage.png", 2).copy()
+    holed[hole] = 0
+    pictures = [
+        np.concatenate([above, below]), sx.knit(above, below, side="below", seed=1), holed, sx.fill(holed, hole, seed=1),
+    ]  # fmt: skip
+    save(
+        contact_sheet(pictures, ("laid together", "knitted", "a hole", "filled"), columns=4),
+        "textures-knitted",
+    )
+
+
+def landscape():
+    """Ground of three labels: the exemplar and its labels; a drawn layout; a painted one; as a single texture."""
+    picture, label = ground()
+    model = sx.learn_composite(picture, label)
+    side = 320
+    painted = np.zeros((side, side), np.uint8)
+    down, right = np.mgrid[:side, :side]
+    painted[np.abs(down - 160 - 60 * np.sin(right / 50)) < 34] = 1
+    painted[(down - 70) ** 2 + (right - 230) ** 2 < 45**2] = 2
+    drawn, asked = model.maps(side, side, 2), model.maps(side, side, 2, labels=painted)
+    single = sx.learn_texture(picture).synthesize(side, side, 2)
+    tones = [each.astype(np.uint8) * 120 for each in (label, drawn["labels"], painted)]
+    pictures = [picture, drawn["picture"], asked["picture"], single, *tones]
+    names = ("exemplar", "drawn layout", "painted layout", "as one texture", "its labels", "", "")
+    save(contact_sheet(pictures, names, columns=4), "textures-landscape")
+
+
+@cache
+def breccia_model():
+    return sx.learn_composite(*breccia(), over=True)
+
+
+def eroded():
+    """A breccia; as one texture; as a composite; the same, eroded in four steps."""
+    picture, _ = breccia()
+    model, side = breccia_model(), 320
+    ages = [model.synthesize(side, side, 3, age=age) for age in (-1, 0, 1, 3)]
+    pictures = [picture, sx.learn_texture(picture).synthesize(side, side, 3), *ages]
+    names = (
+        "exemplar",
+        "as one texture",
+        "composite, cracks one step back",
+        "as learnt",
+        "a step on",
+        "three steps on",
+    )
+    save(contact_sheet(pictures, names, columns=3), "textures-breccia")
+
+
+def column_mesh(height=480.0, sections=96):
+    """A column with base, swelling shaft and capital, in mm."""
+    profile = np.array([
+        (62, 0), (62, 14), (56, 16), (58, 24), (54, 30), (46, 34), (45, 40), (43, 180), (38, 420), (38, 432), (42, 438),
+        (46, 450), (52, 458), (60, 462), (60, 480),
+    ], float)  # fmt: skip
+    rings = []
+    for start, end in itertools.pairwise(profile):
+        count = max(1, int(np.hypot(*(end - start)) // 8))
+        rings += [start + (end - start) * k / count for k in range(count)]
+    rings = np.array([*rings, profile[-1]])
+    turn = 2 * np.pi * np.arange(sections) / sections
+    across, along = rings[:, :1], np.repeat(rings[:, 1:] * height / 480, sections, axis=1)
+    vertices = np.stack([across * np.cos(turn), along, -across * np.sin(turn)], axis=2).reshape(-1, 3)
+    vertices = np.concatenate([vertices, [[0, 0, 0], [0, height, 0]]])
+    row, here = np.meshgrid(np.arange(len(rings) - 1), np.arange(sections), indexing="ij")
+    next_one = (here + 1) % sections
+    corner = [
+        row * sections + here,
+        row * sections + next_one,
+        (row + 1) * sections + next_one,
+        (row + 1) * sections + here,
+    ]
+    a, b, c, d = (each.ravel() for each in corner)
+    top, ring = (len(rings) - 1) * sections, np.arange(sections)
+    faces = np.concatenate([
+        np.column_stack([a, b, c]), np.column_stack([a, c, d]),
+        np.column_stack([np.roll(ring, -1), ring, np.full(sections, len(vertices) - 2)]),
+        np.column_stack([top + ring, top + np.roll(ring, -1), np.full(sections, len(vertices) - 1)]),
+    ])  # fmt: skip
+    return Surface.from_arrays(vertices, faces, name="column")
+
+
+def column():
+    """The breccia on a column, whose cracks have grown at its foot; and near."""
+    model = WORK / "breccia.stex"
+    breccia_model().save(model)
+    recipe = recipe_from_text(f"""
+    [fields]
+    foot = {{ gradient = [0, -1, 0] }}
+    ragged = {{ noise = 3, wavelength = "14 mm", low = 0.2, high = 1.8 }}
+    up = {{ axis = [0, 1, 0] }}
+    [[layer]]
+    material = "composite"
+    model = "{model}"
+    pixel_size = "1.2 mm"
+    direction = "up"
+    age = "6 * smoothstep(0.5, 1, foot) * ragged - 0.6"
+    relief = "0.8 mm"
+    """, allow_outside=True)  # fmt: skip
+    maps = run(_with(recipe, 1024), column_mesh()).maps
+    model.unlink()
+    pictures = [
+        render(maps, size=(420, 640), view=(20, 8), up="y"),
+        render(maps, size=(420, 640), view=(20, 8), up="y", zoom=3.2, target=(0, 90, 45)),
+        render(maps, size=(420, 640), view=(20, 8), up="y", zoom=3.2, target=(0, 330, 40)),
+    ]
+    save(contact_sheet(pictures, ("column", "its foot, worn", "its shaft"), columns=3), "textures-column")
+
+
+def bust():
+    """Gravel cast into a bust: far, and near."""
+    surface = load(shared("bust_demosthenes.off"), size="500 mm")
+    maps = sx.bake(
+        surface, sx.Composite.preset("gravel", pixel_size="1.3 mm", relief="3 mm"), resolution=1536, seed=2
+    )
+    pictures = [
+        render(maps, size=(640, 640), view=(30, 12)),
+        render(maps, size=(640, 640), view=(30, 12), zoom=4),
+    ]
+    save(contact_sheet(pictures, columns=2), "textures-bust")
+
+
+def fabric():
+    """Gingham on a cushion and on the cover of a real chair."""
+    pictures = []
+    for surface, pixel in (
+        (load(MESHES / "cushion.obj"), "1.6 mm"),
+        (load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet"), "2.6 mm"),
+    ):
+        maps = sx.bake(surface, sx.Composite.preset("gingham", pixel_size=pixel), resolution=1024, seed=2)
+        pictures += [render(maps, size=(480, 480)), render(maps, size=(480, 480), zoom=4)]
+    save(contact_sheet(pictures, columns=4), "textures-fabric")
+
+
+def _with(recipe, resolution):
+    return sx.Recipe.of(recipe, resolution=resolution)
+
+
+PICTURES = {each.__name__: each for each in (plain, knitted, landscape, eroded, column, bust, fabric)}
+
+
+def main():
+    for name in sys.argv[1:] or PICTURES:
+        start = time.perf_counter()
+        try:
+            PICTURES[name]()
+        except MissingMeshError as missing:
+            print(f"{name}: skipped; {missing}")
+        else:
+            print(f"{name}: {time.perf_counter() - start:.0f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()
