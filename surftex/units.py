@@ -1,5 +1,6 @@
 """Lengths with units: everything inside surftex is a millimetre, everything a user types may say otherwise."""
 
+import math
 import re
 
 from surftex.errors import RecipeError
@@ -26,7 +27,7 @@ def length_mm(value: str | float | int) -> float:
     Raises
     ------
     RecipeError
-        If the text is no number, or its unit is unknown.
+        If the text is no number, its unit is unknown, or the length is not finite.
 
     Examples
     --------
@@ -36,11 +37,17 @@ def length_mm(value: str | float | int) -> float:
     if isinstance(value, bool):
         raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")
     if isinstance(value, (int, float)):
-        return float(value)
+        return _finite(float(value), value)
     match = _LENGTH.fullmatch(value)
     if not match:
         raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")
     unit = match[2] or "mm"
     if unit not in MM_PER_UNIT:
         raise RecipeError(f"{value!r}: unknown unit {unit!r}; known are {', '.join(MM_PER_UNIT)}")
-    return float(match[1]) * MM_PER_UNIT[unit]
+    return _finite(float(match[1]) * MM_PER_UNIT[unit], value)
+
+
+def _finite(length: float, value: str | float) -> float:
+    if not math.isfinite(length):
+        raise RecipeError(f"{value!r} is not a length: it is not finite")
+    return length

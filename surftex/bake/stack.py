@@ -190,6 +190,8 @@ def place_stack(
         given = _named_for(begun or {}, i) or None
         if features is not None:
             given = _of_layer(features, i, _label(recipe, i))
+        if given is not None:
+            _check_given(surface, given, _label(recipe, i))
         told = _LayerTick(tick, i, count)
         pattern, mask = place_layer(recipe, i, surface, fields, features=given, threads=threads, tick=told)
         patterns.append(pattern)
@@ -248,6 +250,12 @@ def place_layer(
         )  # fmt: skip
     except InputError as problem:
         raise RecipeError(f"{_label(recipe, index)}: {problem}") from None
+    except (KeyError, ValueError) as problem:
+        if features is None:
+            raise
+        raise RecipeError(
+            f"{_label(recipe, index)}: the features do not fit {layer.kind} ({problem}); were they placed by another recipe?"
+        ) from None
     return pattern, mask
 
 
@@ -314,6 +322,15 @@ def _named_for(features: Features, index: int) -> dict[str, NDArray]:
     prefix = _prefix(index)
     own = {kind.removeprefix(prefix): table for kind, table in features.items() if kind.startswith(prefix)}
     return own if index else {kind: table for kind, table in own.items() if not _OTHER_LAYER.match(kind)}
+
+
+def _check_given(surface: Surface, features: Features, label: str) -> None:
+    from surftex.features.given import check_given
+
+    try:
+        check_given(surface, features)
+    except InputError as problem:
+        raise RecipeError(f"{label}: {problem}") from None
 
 
 def _of_layer(features: Features, index: int, label: str) -> dict[str, NDArray]:

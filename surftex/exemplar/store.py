@@ -167,6 +167,7 @@ def unpacked(data: bytes, name: str = "the model") -> Model:
         TypeError,
         IndexError,
         AttributeError,
+        OverflowError,
         zlib.error,
         RecursionError,
     ) as problem:

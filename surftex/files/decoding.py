@@ -1,7 +1,12 @@
 """Pictures from bytes: what a file claims to unfold to is read from its head, and refused before it costs memory."""
 
+import io
+import os
 import struct
-from collections.abc import Iterator
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, redirect_stdout, suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +18,12 @@ from surftex.files.reading import printable
 
 MOST_NUMBERS = 2**28
 """Pixels times channels of a picture beyond which it is not decoded: 16384 x 16384 of one channel."""
+
+_PRINTED = (b"PNG warning", b"EXR_ERR", b"Exception raised reading")
+_BROKEN = ("PNG warning: IDAT", "EXR_ERR", "Exception raised reading")
+"""In what decoders print, and there where they go on with pixels that are none."""
+
+_one_at_a_time = threading.Lock()
 
 _FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 """Markers of a JPEG that are followed by the size of the picture."""
@@ -47,16 +58,16 @@ def decoded(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
     """
     import imagecodecs
 
-    kinds = {"PNG": imagecodecs.png_decode, "JPEG": imagecodecs.jpeg_decode, "TIFF": imagecodecs.tiff_decode}
+    kinds: dict[str, Callable[[bytes], NDArray[Any]]] = {
+        "PNG": imagecodecs.png_decode,
+        "JPEG": imagecodecs.jpeg_decode,
+        "TIFF": imagecodecs.tiff_decode,
+    }
     kind = kind_of(data)
     if kind not in kinds:
         raise error(f"{name}: is none of {', '.join(kinds)}")
     claimed(data, name, error=error)
-    try:
-        return kinds[kind](data)
-    except Exception as problem:  # noqa: BLE001  (decoders raise whatever they like on broken files)
-        reason = printable(str(problem).splitlines()[0]) if str(problem) else type(problem).__name__
-        raise error(f"{name}: is a damaged {kind} ({reason}); save it again") from None
+    return _unpacked(lambda: kinds[kind](data), kind, name, error)
 
 
 def kind_of(data: bytes) -> str:
@@ -150,12 +161,60 @@ def read_exr_channels(path: str | Path, *, error: type[InputError] = InputError)
     if kind_of(head) != "EXR":
         raise error(f"{name}: no readable EXR")
     claimed(head, name, error=error)
-    try:
+
+    def unpack() -> dict[str, NDArray[Any]]:
         with OpenEXR.File(str(path), separate_channels=True) as opened:
             return {key: np.array(channel.pixels) for key, channel in opened.channels().items()}
-    except Exception as problem:  # noqa: BLE001  (as above)
-        reason = printable(str(problem).splitlines()[0]) if str(problem) else type(problem).__name__
-        raise error(f"{name}: no readable EXR: {reason}") from None
+
+    return _unpacked(unpack, "EXR", name, error)
+
+
+def _unpacked(unpack: Callable[[], Any], kind: str, name: str, error: type[InputError]) -> Any:
+    """Run a decoder; what it raises, and what it only prints of broken data, becomes a line."""
+    pixels = None
+    try:
+        with _overheard() as said:
+            pixels = unpack()
+        reason = next((line for line in said if any(word in line for word in _BROKEN)), "")
+    except Exception as problem:  # noqa: BLE001  (decoders raise whatever they like on broken files)
+        reason = str(problem).splitlines()[0] if str(problem) else type(problem).__name__
+    if reason:
+        raise error(
+            f"{name}: is a damaged {kind} ({printable(reason, longest=120)}); save it again"
+        ) from None
+    return pixels
+
+
+@contextmanager
+def _overheard() -> Iterator[list[str]]:
+    """Collect the lines that libraries print meanwhile; what others print on stderr is passed on."""
+    said: list[str] = []
+    printed = io.StringIO()
+    with _one_at_a_time, ExitStack() as stack:
+        with suppress(OSError):  # where there is no stderr
+            stack.enter_context(_taken_over(2, said))
+        stack.enter_context(redirect_stdout(printed))
+        yield said
+    said += printed.getvalue().splitlines()
+
+
+@contextmanager
+def _taken_over(stream: int, said: list[str]) -> Iterator[None]:
+    """Put a file in the place of a stream of this process, and sort what was written to it."""
+    kept = os.dup(stream)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), stream)
+        try:
+            yield
+        finally:
+            os.dup2(kept, stream)
+            os.close(kept)
+            file.seek(0)
+            for line in file.read().splitlines(keepends=True):
+                if any(word in line for word in _PRINTED):
+                    said.append(line.decode("utf-8", "replace").strip())
+                else:
+                    os.write(stream, line)
 
 
 def _png_claim(data: bytes) -> tuple[int, int, int]:

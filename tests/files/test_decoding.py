@@ -17,6 +17,7 @@ from surftex.files.pictures import read_picture
 from surftex.files.scene import read_scene
 from surftex.optics.table import SkinTable
 from tests.files.bad_inputs import ball, document, glb_of
+from tests.fuzz.targets import with_sums
 
 PIXELS = np.arange(5 * 7 * 3, dtype=np.uint8).reshape(5, 7, 3)
 
@@ -79,6 +80,22 @@ def test_a_head_that_is_cut_off_is_a_line(kind, keep, tmp_path):
     data = exr(tmp_path) if kind == "EXR" else bytes(packed(kind))
     (tmp_path / "cut").write_bytes(data[:keep])
     check_refused(read_picture, tmp_path / "cut", "")
+
+
+@pytest.mark.parametrize("kind", ["PNG", "EXR"])
+def test_data_that_is_damaged_within_is_refused_and_nothing_is_printed(kind, tmp_path, capfd):
+    """Libraries print a warning here, and go on with pixels that are none."""
+    if kind == "EXR":
+        write_exr(tmp_path / "a", np.random.Generator(np.random.PCG64(1)).random((20, 100)).repeat(10, 0))
+    else:
+        noise = np.random.Generator(np.random.PCG64(1)).integers(0, 255, (90, 90), np.uint8)
+        (tmp_path / "a").write_bytes(png_bytes(noise))
+    data = bytearray((tmp_path / "a").read_bytes())
+    middle = len(data) // 2
+    data[middle : middle + 40] = bytes(40)
+    (tmp_path / "a").write_bytes(with_sums(bytes(data)) if kind == "PNG" else data)
+    check_refused(read_picture, tmp_path / "a", f"is a damaged {kind}")
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_bomb_within_a_scene_is_refused(tmp_path):

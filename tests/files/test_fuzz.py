@@ -1,6 +1,5 @@
 """Damaged files: whatever bytes change, a file is a surface or one line of error, never another exception."""
 
-import copy
 import json
 import warnings
 
@@ -9,8 +8,8 @@ import pytest
 
 from surftex.errors import InputError
 from surftex.files.meshes import load
-from surftex.randomness import stream
 from tests.files.bad_inputs import ball, document, glb, glb_of, gltf, obj, off, ply, sheet, stl, stl_text
+from tests.fuzz.damage import changed, damaged
 
 V, F = ball(6, 4)
 SEEDS = {
@@ -27,79 +26,6 @@ SEEDS = {
     "a.glb": glb(V, F),
     "a.gltf": gltf(V, F),
 }
-WORDS = [
-    b"nan",
-    b"-1",
-    b"0",
-    b"99999999999",
-    b"1e400",
-    b"//",
-    b"\n",
-    b" ",
-    b"null",
-    b"{}",
-    b"[]",
-    b"true",
-    b"\xff",
-    b'""',
-    b"1.5",
-]
-
-
-def damaged(data, name, number):
-    """The file after a few random edits."""
-    bytes_ = bytearray(data)
-    draws = stream(7, "fuzz", name, number).uniform(6, 4)
-    for kind, place, size, value in draws[: 1 + number % 5]:
-        at = int(place * len(bytes_))
-        if kind < 0.4:
-            bytes_[at : at + 1] = bytes([int(value * 256)])
-        elif kind < 0.6:
-            bytes_[at : at + 1 + int(size * 4)] = WORDS[int(value * len(WORDS))]
-        elif kind < 0.75:
-            del bytes_[at : at + 1 + int(size * 30)]
-        elif kind < 0.9:
-            bytes_[at:at] = bytes_[int(value * len(bytes_)) :][: 1 + int(size * 30)]
-        else:
-            del bytes_[at:]
-        bytes_ = bytes_ or bytearray(b"x")
-    return bytes(bytes_)
-
-
-VALUES = [
-    None,
-    -1,
-    0,
-    1,
-    2,
-    10**12,
-    2**70,
-    1.5,
-    1e300,
-    float("nan"),
-    float("inf"),
-    True,
-    "",
-    "POSITION",
-    "MAT4",
-    [],
-    {},
-    [0],
-    [[]],
-    {"a": 0},
-    5120,
-    5121,
-    5123,
-    5126,
-]
-
-
-def places_of(value, above=()):
-    """The place of every value in a JSON document."""
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, below in items:
-        yield (*above, key)
-        yield from places_of(below, (*above, key))
 
 
 def rich_document():
@@ -125,22 +51,6 @@ def rich_document():
     }
     doc["bufferViews"][0]["byteStride"] = 12
     return doc, binary
-
-
-def changed(doc, number):
-    """A copy of a document with one to three values replaced or gone."""
-    doc = copy.deepcopy(doc)
-    for at, kind in stream(7, "document", number).uniform(3, 2)[: 1 + number % 3]:
-        places = list(places_of(doc))
-        *above, last = places[int(at * len(places))]
-        owner = doc
-        for key in above:
-            owner = owner[key]
-        if kind < 0.15:
-            del owner[last]
-        else:
-            owner[last] = copy.deepcopy(VALUES[int((kind - 0.15) / 0.85 * len(VALUES))])
-    return doc
 
 
 @pytest.mark.parametrize("name", SEEDS)
