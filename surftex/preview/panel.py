@@ -54,7 +54,7 @@ class Item:
         return self.left <= x <= self.left + self.width and self.top <= y <= self.top + self.height
 
 
-def layout(desk: Desk, width: float, height: float) -> list[Item]:
+def layout(desk: Desk, width: float, height: float, skipped: int = 0) -> list[Item]:
     """Lay the panel out.
 
     Parameters
@@ -64,7 +64,9 @@ def layout(desk: Desk, width: float, height: float) -> list[Item]:
     width : float
         Of the panel in pixels.
     height : float
-        Of the panel; sliders that do not fit are left out, and their group says how many.
+        Of the panel.
+    skipped : int
+        Parameters of the group that are scrolled away; what does not fit below comes with the button *more*.
 
     Returns
     -------
@@ -125,14 +127,17 @@ def layout(desk: Desk, width: float, height: float) -> list[Item]:
     group = desk.group or desk.groups[0]
     top = chips([(each, each == group, ("choose", "group", each)) for each in desk.groups], top + 4) + 4
     below = _feet(desk, inner, height)
-    for control in desk.session.controls(desk.layer):
-        if control.group == group:
-            rows = _rows(desk, control, top, inner)
-            if rows[-1].top + rows[-1].height > below[0].top - 6:
-                items.append(Item("label", PAD, top, inner, text="... more below: make the window higher"))
-                break
-            items += rows
-            top = rows[-1].top + rows[-1].height + 8
+    chosen = [control for control in desk.session.controls(desk.layer) if control.group == group]
+    first = min(max(skipped, 0), len(chosen) - 1)
+    if first:
+        top = chips([("back", False, ("skip", -first))], top)
+    for k, control in enumerate(chosen[first:]):
+        rows = _rows(desk, control, top, inner)
+        if rows[-1].top + rows[-1].height > below[0].top - ROW - 8 and first + k + 1 < len(chosen):
+            chips([("more", False, ("skip", max(k, 1)))], top)
+            break
+        items += rows
+        top = rows[-1].top + rows[-1].height + 8
     return items + below
 
 

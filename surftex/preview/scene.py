@@ -22,6 +22,9 @@ from surftex.surface.points import SurfacePoints
 BEHIND = ((0.80, 0.79, 0.775), (0.94, 0.93, 0.92))
 """Colours of the background, below and above."""
 
+_FILLED = 0.9
+"""Share of the view that the whole fills at first."""
+
 
 class Scene:
     """A surface in three dimensions.
@@ -59,12 +62,30 @@ class Scene:
         return self._drawn == self.desk.version
 
     def reset_camera(self) -> None:
-        """Look at the whole from the front, half left and above."""
+        """Look at the whole from the front, half left and above, as near as it fits."""
         self.plotter.camera_position = "xy"
         self.plotter.reset_camera()
-        self.plotter.camera.Azimuth(-38)
-        self.plotter.camera.Elevation(22)
-        self.plotter.camera.Zoom(1.45)
+        camera = self.plotter.camera
+        camera.Azimuth(-38)
+        camera.Elevation(22)
+        camera.OrthogonalizeViewUp()
+        surface = self.desk.surface
+        out = np.array(camera.GetPosition()) - camera.GetFocalPoint()
+        away = float(np.linalg.norm(out))
+        out, up = out / away, np.array(camera.GetViewUp())
+        place = surface.vertices[np.unique(surface.faces)] - camera.GetFocalPoint()
+        depth = away - place @ out
+        seen = np.stack([place @ np.cross(up, out), place @ up], axis=1) / depth[:, None]
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        wide, tall = (high - low) / 2
+        box = self.renderer.GetViewport()
+        aspect = self.size[0] * (box[2] - box[0]) / (self.size[1] * (box[3] - box[1]))
+        half = max(tall, wide / aspect) / _FILLED
+        middle = away * (low + high) / 2
+        move = middle[0] * np.cross(up, out) + middle[1] * up
+        camera.SetFocalPoint(*(np.array(camera.GetFocalPoint()) + move))
+        camera.SetPosition(*(np.array(camera.GetPosition()) + move))
+        camera.SetViewAngle(float(np.degrees(2 * np.arctan(half))))
         self.plotter.reset_camera_clipping_range()
 
     @property

@@ -52,9 +52,11 @@ class Window:
         self.scene.plotter.render_window.AddRenderer(self.side)
         self._items: list[Item] = []
         self._held: Item | None = None
+        self._group, self._skipped = (0, ""), 0
         self._fields = _Fields(self.side)
         self._plot = _Fields(self.scene.renderer)
         self._placed()
+        self.scene.reset_camera()
         self.refresh(force=True)
 
     def refresh(self, *, force: bool = False) -> bool:
@@ -72,7 +74,9 @@ class Window:
         """
         changed = self.scene.refresh()
         if changed or force:
-            self._items = layout(self.desk, PANEL, self.size[1])
+            if self._group != (self.desk.layer, self.desk.group):
+                self._group, self._skipped = (self.desk.layer, self.desk.group), 0
+            self._items = layout(self.desk, PANEL, self.size[1], self._skipped)
             self._draw_panel()
             self._draw_plot()
         return changed or force
@@ -152,8 +156,27 @@ class Window:
         held, self._held = self._held, None
         return held is not None
 
+    def scroll(self, parameters: int) -> None:
+        """Scroll the parameters of the group.
+
+        Parameters
+        ----------
+        parameters : int
+            How many; below 0 goes back.
+        """
+        self._skipped = max(0, self._skipped + parameters)
+        self.refresh(force=True)
+
     def show(self) -> None:
         """Open the window, and stay until it is closed."""
+        self.connect()
+        interactor = self.scene.plotter.iren.interactor
+        self.scene.plotter.show(auto_close=False, interactive_update=True)
+        interactor.CreateRepeatingTimer(30)
+        interactor.Start()
+
+    def connect(self) -> None:
+        """Listen to mouse and clock."""
         window, interactor = self.scene.plotter.render_window, self.scene.plotter.iren.interactor
         tags: dict[str, int] = {}
 
@@ -168,6 +191,13 @@ class Window:
 
             tags[name] = interactor.AddObserver(name, called, 10.0)
 
+        def wheel(parameters: int) -> bool:
+            if where()[0] < self.size[0] - PANEL:
+                return False
+            self.scroll(parameters)
+            window.Render()
+            return True
+
         def tick() -> bool:
             if tuple(window.GetSize()) != self.size:
                 self.size = tuple(window.GetSize())
@@ -181,10 +211,9 @@ class Window:
         guarded("LeftButtonPressEvent", lambda: self.press(*where()))
         guarded("MouseMoveEvent", lambda: self.drag(*where()))
         guarded("LeftButtonReleaseEvent", self.release)
+        guarded("MouseWheelForwardEvent", lambda: wheel(-1))
+        guarded("MouseWheelBackwardEvent", lambda: wheel(1))
         guarded("TimerEvent", tick)
-        self.scene.plotter.show(auto_close=False, interactive_update=True)
-        interactor.CreateRepeatingTimer(30)
-        interactor.Start()
 
     def close(self) -> None:
         """Close the window; the desk stays."""
@@ -206,6 +235,8 @@ class Window:
             self.desk.choose(**{rest[0]: rest[1]})
         elif what == "done":
             self.desk.done()
+        elif what == "skip":
+            self.scroll(rest[0])
         else:
             self.desk.do("save", self.save_as, overwrite=True)
 

@@ -150,9 +150,38 @@ def test_every_button_and_overlay_does_something(window):
         desk.choose(tool="hammer")
     desk.do("set", "cell_size", -3)
     assert "cell_size" in desk.message
-    items = layout(desk, 372, 420)
-    assert any("more below" in each.text for each in items)
-    assert hit(items, -5, -5) is None
+    desk.choose(group="cells")
+    low = layout(desk, 372, 520)
+    more = next(each for each in low if each.text == "more")
+    sliders = [each.text for each in low if each.kind == "slider"]
+    rest = layout(desk, 372, 520, more.action[1])
+    assert any(each.text == "back" for each in rest)
+    assert not {each.text for each in rest if each.kind == "slider"} & set(sliders)
+    assert hit(low, -5, -5) is None
+
+
+def test_events_of_the_window_reach_the_panel_and_leave_the_camera_alone(window):
+    desk, interactor = window.desk, window.scene.plotter.iren.interactor
+    window.connect()
+
+    def event(name, x, y):
+        interactor.SetEventInformation(round(x), SIZE[1] - 1 - round(y), 0, 0)
+        interactor.InvokeEvent(name)
+
+    camera = window.scene.plotter.camera
+    before = camera.GetPosition()
+    desk.choose(group="cristae")
+    event("TimerEvent", 0, 0)
+    slider = chosen(window, "crista height", "slider")
+    event("LeftButtonPressEvent", LEFT + slider.left + 0.2 * slider.width, slider.top + 25)
+    event("MouseMoveEvent", LEFT + slider.left + 0.8 * slider.width, slider.top + 25)
+    event("LeftButtonReleaseEvent", LEFT + slider.left + 0.8 * slider.width, slider.top + 25)
+    assert desk.session.value("crista_height") == pytest.approx(0.8 * slider.action[1].high, rel=0.03)
+    event("MouseWheelBackwardEvent", LEFT + 20, 300)
+    assert camera.GetPosition() == before
+    assert desk.worker.wait()
+    event("TimerEvent", 0, 0)
+    assert window.scene.drawn
 
 
 def test_picking_meets_the_nearest_face(ball):
