@@ -43,6 +43,7 @@ from surftex.recipe.fields import (
     VectorAttributeEntry,
     VectorsEntry,
     expression_of,
+    places_file,
 )
 from surftex.recipe.model import Recipe
 from surftex.surface.points import SurfacePoints
@@ -78,6 +79,7 @@ def make_fields(recipe: Recipe, surface: Surface) -> FieldSet:
     numbers: dict[str, Field | Derived | str | float] = {}
     directions: dict[str, Made] = {}
     curves: dict[str, Callable[[], NDArray[Any]]] = {}
+    points: dict[str, Callable[[], SurfacePoints]] = {}
     for name, entry in recipe.fields_.items():
         where = f"{recipe.where('fields', name)}fields.{name}: "
         with _Located(where):
@@ -87,7 +89,9 @@ def make_fields(recipe: Recipe, surface: Surface) -> FieldSet:
                 curves[name] = _located(where, _curves(entry, surface))
             else:
                 numbers[name] = _number(name, entry, surface, recipe.seed, where)
-    return FieldSet(surface, numbers, directions, curves)
+                if (path := places_file(entry)) is not None:
+                    points[name] = _located(where, lambda path=path: _drawn(path, surface)[1])
+    return FieldSet(surface, numbers, directions, curves, points)
 
 
 class _Located:

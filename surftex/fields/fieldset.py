@@ -58,6 +58,8 @@ class FieldSet:
         ``directions[name]()`` makes the `DirectionField` or `VectorField`, when it is first asked for.
     curves : mapping of str to callable
         ``curves[name]()`` makes rows of curves (`surftex.features.curves`), when they are first asked for.
+    points : mapping of str to callable
+        ``points[name]()`` gives the single places that the distance of that name is measured to.
 
     Raises
     ------
@@ -72,6 +74,7 @@ class FieldSet:
         numbers: Mapping[str, Field | Derived | str | float] = MappingProxyType({}),
         directions: Mapping[str, "Callable[[], DirectionField | VectorField]"] = MappingProxyType({}),
         curves: Mapping[str, Callable[[], NDArray]] = MappingProxyType({}),
+        points: Mapping[str, Callable[[], SurfacePoints]] = MappingProxyType({}),
     ) -> None:
         self.surface = surface
         self._fields: dict[str, Field] = {}
@@ -79,6 +82,7 @@ class FieldSet:
         self._directions = dict(directions)
         self._made: dict[str, DirectionField | VectorField] = {}
         self._curves, self._drawn = dict(curves), dict[str, NDArray]()
+        self._points = dict(points)
         needs: dict[str, frozenset[str]] = {}
         for name, value in numbers.items():
             check_name(name)
@@ -221,6 +225,28 @@ class FieldSet:
         if name not in self._drawn:
             self._drawn[name] = self._curves[name]()
         return self._drawn[name]
+
+    def points(self, name: str) -> SurfacePoints:
+        """Look up the places of one name.
+
+        Parameters
+        ----------
+        name : str
+            Of a field that is the distance to the places of a file.
+
+        Returns
+        -------
+        points : SurfacePoints
+            In the order of the file.
+
+        Raises
+        ------
+        RecipeError
+            If no places have this name.
+        """
+        if name not in self._points:
+            raise RecipeError(f"unknown places {name!r}{_hint(name, self._points, 'places')}")
+        return self._points[name]()
 
     def _direction(self, name: str) -> "DirectionField | VectorField":
         if name not in self._directions:

@@ -29,7 +29,7 @@ TOOLS: dict[str, str] = {
     "turn": "Turn the surface.",
     "stroke": "Draw a direction: click along it, then press Done.",
     "lines": "Draw a line such as a wrinkle: click along it, then press Done.",
-    "spots": "Pick single places, such as of moles.",
+    "spots": "Pick single places: moles of skin.",
     "section": "Cut: click two places.",
 }
 """What a click on the surface does."""
@@ -176,6 +176,7 @@ class Desk:
         self.look_at = point.positions(self.surface)[0]
         if self.tool == "spots":
             self.do("pick", FIELD["spots"], point)
+            self._follow(("mole_points",), FIELD["spots"])
         elif self.tool in ("stroke", "lines"):
             self.points.append(point)
             self.message = f"{len(self.points)} places; press Done to keep the stroke"
@@ -196,12 +197,16 @@ class Desk:
             self.points = []
             self.do("stroke", name, points, use)
             wanted = ("direction", "stress") if use == "direction" else ("wrinkle_curves",)
-            material: Any = self.session.recipe.layer[self.layer].material
-            for key in wanted:
-                if key in type(material).model_fields and getattr(material, key) is None:
-                    self.do("set", key, name, self.layer)
+            self._follow(wanted, name)
         self.points = []
         self._tell()
+
+    def _follow(self, keys: tuple[str, ...], name: str) -> None:
+        """Let the chosen layer take what was drawn, where it takes nothing else."""
+        material: Any = self.session.recipe.layer[self.layer].material
+        for key in keys:
+            if key in type(material).model_fields and getattr(material, key) is None:
+                self.do("set", key, name, self.layer)
 
     def _cut(self) -> None:
         """Take the section between the two places."""

@@ -174,16 +174,17 @@ def for_piece(recipe: Recipe, piece: Piece) -> Recipe:
     Returns
     -------
     recipe : Recipe
-        With as many of each feature to the area; not to be saved.
+        With as many of each feature to the area, and without what was drawn; not to be saved.
     """
     share = piece.surface.area_mm2 / piece.whole.area_mm2
     layers = []
     for layer in recipe.layer:
         material = layer.material
-        counts = {
+        counts: dict[str, int | None] = {
             key: round(share * value)
             for key in type(material).model_fields
             if key.endswith("_count") and isinstance(value := getattr(material, key), int)
         }
+        counts |= {key: None for key in type(material).model_fields if key.endswith(("_curves", "_points"))}
         layers.append(layer.model_copy(update={"material": material.model_copy(update=counts)}))
     return recipe.model_copy(update={"layer": tuple(layers)})

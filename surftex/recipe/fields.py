@@ -267,6 +267,24 @@ def named_files(entry: Any) -> tuple[str, ...]:
     return (*keys, "distance_to") if strokes else keys
 
 
+def places_file(entry: Any) -> str | None:
+    """Give the file of places that an entry measures the distance to.
+
+    Parameters
+    ----------
+    entry : FieldEntry
+        Of a recipe.
+
+    Returns
+    -------
+    path : str or None
+        None for every other entry.
+    """
+    if not isinstance(entry, DistanceEntry) or not isinstance(entry.distance_to, str):
+        return None
+    return entry.distance_to if expression_of(entry) is None else None
+
+
 def expression_of(entry: Any) -> str | float | None:
     """Give the expression that an entry is, or is worked out from.
 

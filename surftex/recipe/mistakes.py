@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ValidationError
 
 from surftex.errors import RecipeError
-from surftex.recipe.fields import CURVES, DIRECTIONS, KINDS, expression_of
+from surftex.recipe.fields import CURVES, DIRECTIONS, KINDS, expression_of, places_file
 from surftex.recipe.hints import nearest
 from surftex.recipe.layer import Layer, material_class, plain_types, preset_material
 from surftex.recipe.lines import Path
@@ -203,6 +203,11 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
             if name not in curves:
                 hint = nearest(name, curves) or "; [fields] has none"
                 raise located(("layer", i, key), RecipeError(f"curves {name!r} do not exist{hint}"))
+        places = {name for name, entry in recipe.fields_.items() if places_file(entry) is not None}
+        for key, name in _place_names(layer).items():
+            if name not in places:
+                hint = nearest(name, places) or '; write one such as spots = { distance_to = "spots.json" }'
+                raise located(("layer", i, key), RecipeError(f"places {name!r} do not exist{hint}"))
         for key, name in _directions(layer).items():
             if name not in directions:
                 kind = (
@@ -257,6 +262,15 @@ def _curve_names(layer: Layer) -> dict[str, str]:
     }
 
 
+def _place_names(layer: Layer) -> dict[str, str]:
+    """Parameters that name places of a file: those whose name ends so."""
+    return {
+        key: value
+        for key in type(layer.material).model_fields
+        if key.endswith("_points") and isinstance(value := getattr(layer.material, key), str)
+    }
+
+
 def _directions(layer: Layer) -> dict[str, str]:
     """Parameters that name a direction: text or nothing."""
     return {
@@ -264,5 +278,5 @@ def _directions(layer: Layer) -> dict[str, str]:
         for key, field in type(layer.material).model_fields.items()
         if isinstance(value := getattr(layer.material, key), str)
         and plain_types(field.annotation) == {str, type(None)}
-        and not key.endswith("_curves")
+        and not key.endswith(("_curves", "_points"))
     }

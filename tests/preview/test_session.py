@@ -235,3 +235,29 @@ def test_controls_hold_what_a_material_is_set_to(name):
     if name == "calf":
         assert units["cell_size"] == units["sulcus_depth"] == "mm"
         assert units["variation"] == ""
+
+
+def test_moles_lie_where_they_were_picked(tmp_path):
+    ball = sphere(20.0, subdivisions=3)
+    session = Session(recipe_for("skin", changes=["pore_density=0"]), ball)
+    picks = SurfacePoints([5, 300, 900], [[0.2, 0.3, 0.5], [0.6, 0.2, 0.2], [1 / 3, 1 / 3, 1 / 3]])
+    for i in range(3):
+        session.pick("spots", SurfacePoints(picks.face[i : i + 1], picks.barycentric[i : i + 1]))
+    with pytest.raises(RecipeError, match="places 'spot' do not exist"):
+        session.set("mole_points", "spot")
+    session.set("mole_points", "spots")
+    path = session.save(tmp_path / "moles.toml")[-1]
+    maps = run(load_recipe(path, changes=["bake.resolution=64", "bake.unwrapper=uvunwrap"]), ball).maps
+    assert maps.features is not None
+    moles = maps.features["mole"]
+    np.testing.assert_array_equal(moles["face"], picks.face)
+    np.testing.assert_allclose(moles["barycentric"], picks.barycentric, atol=1e-12)
+    session.pick("spots", SurfacePoints([40], [[1 / 3, 1 / 3, 1 / 3]]))
+    more = run(session.recipe.model_copy(update={"bake": maps_settings(64)}), ball).maps.features
+    assert more is not None
+    np.testing.assert_array_equal(more["mole"][:3], moles)  # a further mole changes none of the others
+    session.close()
+
+
+def maps_settings(resolution):
+    return recipe_from_text(TWO).bake.model_copy(update={"resolution": resolution})

@@ -91,6 +91,9 @@ class Skin(BaseModel):
     mole_count: Count = _count("mole", "moles")
     mole_density: Amount = _density("mole", "moles")
     mole_where: Mask = _where("mole", "moles")
+    mole_points: str | None = _field(
+        None, "mole", "Field of the recipe that is the distance to places of a file: there is a mole at each."
+    )
     mole_radius: LengthRange = _field((0.9, 0.5), "mole", "Radius of a mole.")
     mole_melanin: AmountRange = _field((0.12, 0.4), "mole", "Melanosomes that the middle of a mole adds.")
     mole_height: LengthRange = _field((0.2, 1.0), "mole", "Rise of a mole, times the melanosomes it adds.")

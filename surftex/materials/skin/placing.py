@@ -179,6 +179,8 @@ def _points(skin: Skin, surface: Surface, seed: int, fields: FieldSet, kind: str
             parts.append(scatter(surface, random, density_per_mm2=density, weight=where, power=power))
     except InputError as problem:
         raise RecipeError(f"skin.{kind}_where: {problem}") from None
+    if kind == "mole" and skin.mole_points is not None:
+        parts.append(fields.points(skin.mole_points))
     face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in parts]])
     barycentric = np.concatenate([np.zeros((0, 3)), *[part.barycentric for part in parts]])
     columns = KINDS[kind].columns(skin, stream(seed, "skin", kind, "parameters"), len(face))
