@@ -164,8 +164,8 @@ MISTAKES = [
     (["bake", "ball.obj", "--material", "calf", "--units", "km"], "invalid choice: 'km'"),
     (["bake", "ball.obj", "--material", "calf", "--part", "lid"], "lid"),
     (
-        ["bake", "ball.obj", "--material", "calf", "--udim"],
-        "--udim: pages of several tiles cannot be baked yet",
+        ["bake", "ball.obj", "--material", "calf", "--units", "mm", "--texels-per-mm", "3"],
+        "texels_per_mm spreads an unwrap over tiles",
     ),
     (["bake", "ball.obj", "--material", "calf", "--units", "mm", "--uv", "keep"], "no UVs"),
     (["bake", "ball.obj", "--material", "calf", "--units", "m", "--max-features", "9"], "layer: "),

@@ -202,7 +202,7 @@ def _bake(
     with stages.stage("bake") as tick:
         pages = bake_pages(
             surface, atlas, stack, settings.resolution, maps,
-            gutter_px=settings.gutter, tile_rows=tile, threads=threads, tick=tick,
+            gutter_px=settings.gutter, tile_rows=tile, udim=settings.udim, threads=threads, tick=tick,
         )  # fmt: skip
     moved: dict[str, Any] = {}
     if settings.equalise:

@@ -5,6 +5,7 @@ layers are evaluated in slices of it. A tile reads a margin of rows beyond its o
 neighbours. Neither tiles nor slices change a byte.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -15,12 +16,13 @@ from numpy.typing import NDArray
 from surftex.arrays import read_only_view
 from surftex.bake.stack import Stack
 from surftex.charts.atlas import Atlas
-from surftex.charts.fill import nearest_mapped
+from surftex.charts.fill import fill_nearest
 from surftex.charts.texels import Texels, default_gutter_px, texels
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
 from surftex.materials.layers import CHANNELS, RAW
 from surftex.optics import RangeTally
+from surftex.paged import let_go, page
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -41,6 +43,7 @@ class Pages:
     Attributes
     ----------
     images : dict of str to (h, w) or (h, w, 3) array
+        By name, and by the UDIM number of the page where there may be several (``height.1002``).
         float32, ``region`` int32; ``height`` in mm, ``base_color`` linear, ``normal`` unit vectors.
     core : int
         Texels whose centre shows the surface.
@@ -105,10 +108,11 @@ def bake_pages(
     *,
     gutter_px: int | None = None,
     tile_rows: int | None = None,
+    udim: bool = False,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> Pages:
-    """Evaluate a stack at every texel of a page.
+    """Evaluate a stack at every texel of every page.
 
     Parameters
     ----------
@@ -126,6 +130,8 @@ def bake_pages(
         Width of the gutter; the atlas' own without it.
     tile_rows : int, optional
         Rows of a tile; cannot change a byte.
+    udim : bool
+        Whether names carry the number of the page.
     threads : int, optional
         None means every core; cannot change a byte.
     tick : callable, optional
@@ -136,18 +142,45 @@ def bake_pages(
     pages : Pages
         Every texel filled.
     """
-    from surftex.kernels.rows import repeat_rows, sum_rows
-
     gutter = default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px
+    tools = _Tools(surface, atlas, maps, threads)
+    images, baked, clamped = {}, [], Counter[str]()
+    for i, tile in enumerate(atlas.tiles):
+        share = None if tick is None else lambda done, i=i: tick((i + done) / len(atlas.tiles))
+        tools.turn_to(atlas.page(tile))
+        one = _bake_page(stack, tools, resolution, maps, gutter, tile_rows, share)
+        images |= {f"{name}.{tile}" if udim else name: image for name, image in one.images.items()}
+        clamped.update(one.clamped)
+        baked.append(one)
+    core = sum(one.core for one in baked)
+    mean = {
+        name: sum(np.asarray(one.mean[name]) * one.core for one in baked) / max(core, 1)
+        for name in baked[0].mean
+    }
+    return Pages(images, core, sum(one.mapped for one in baked), tools.tangents, mean, dict(clamped))
+
+
+def _bake_page(
+    stack: Stack,
+    tools: "_Tools",
+    resolution: int,
+    maps: tuple[str, ...],
+    gutter: int,
+    tile_rows: int | None,
+    tick: Tick | None,
+) -> Pages:
+    """Evaluate a stack at every texel of one page."""
+    from surftex.kernels.rows import sum_rows
+
+    surface, atlas, threads = tools.surface, tools.atlas, tools.threads
     images = {name: _page(name, resolution) for name in maps}
     mapped = np.zeros((resolution, resolution), bool)
     core, tally = 0, RangeTally()
     total = {
-        name: np.zeros(_table(page).shape[1])
-        for name, page in images.items()
+        name: np.zeros(_table(image).shape[1])
+        for name, image in images.items()
         if name not in (*_FROM_HEIGHT, "region")
     }
-    tools = _Tools(surface, atlas, maps, threads)
     for first, last in _tiles(resolution, tile_rows):
         margin = tools.margin_px(gutter) if last - first < resolution else 0
         rows = (max(0, first - margin), min(resolution, last + margin))
@@ -163,20 +196,18 @@ def bake_pages(
         shown = read_only_view(place[tile.core[own]], np.int64)
         for name, sums in total.items():
             sum_rows(shown, _table(images[name]), sums)
-        for name, page in images.items():
+        for name, image in images.items():
             if name in _FROM_HEIGHT:
                 result = tools.map(name, tile, height)
-                _put(tile.texel, (first, last), resolution, result, _table(page))
+                _put(tile.texel, (first, last), resolution, result, _table(image))
                 del result
+            let_go(image)
         del tile, height, place, shown  # or the next tile would be made beside this one
     count = int(np.count_nonzero(mapped))
     if count == 0:
         raise InputError(f"no texel of {resolution} x {resolution} shows the surface; raise the resolution")
     if count < mapped.size:
-        source = read_only_view(nearest_mapped(mapped, threads=threads).ravel(), np.int64)
-        free = read_only_view(np.flatnonzero(~mapped), np.int64)
-        for page in images.values():
-            repeat_rows(free, source, _table(page))
+        fill_nearest(images.values(), mapped, threads=threads)
     mean = {name: np.squeeze(value / max(core, 1)) for name, value in total.items()}
     return Pages(images, core, count, tools.tangents, mean, tally.counts())
 
@@ -225,7 +256,7 @@ def equalise_pages(
 def _page(name: str, resolution: int) -> NDArray[Any]:
     count = 3 if name == "normal" else 1 if name in _CHANNEL_OF else CHANNELS[name]
     shape = (resolution, resolution) if count == 1 else (resolution, resolution, count)
-    return np.zeros(shape, np.int32 if name == "region" else np.float32)
+    return page(shape, np.int32 if name == "region" else np.float32)
 
 
 def _table(page: NDArray[Any]) -> NDArray[Any]:
@@ -303,6 +334,10 @@ class _Tools:
 
         self.tangents = surface_tangents(surface, atlas)
         self.metric: PageMetric | None = None
+
+    def turn_to(self, page: Atlas) -> None:
+        """Make the maps of another page of the atlas from here on."""
+        self.atlas, self.metric = page, None
 
     def margin_px(self, gutter: int) -> int:
         """Rows beyond a tile that its maps depend on."""

@@ -38,7 +38,7 @@ def remembered_unwrap(surface: Surface, settings: BakeSettings, work: Callable[[
     atlas : Atlas
         The same bytes either way. An unwrap that fell back for want of time is not kept.
     """
-    how = ["unwrap", settings.unwrapper, settings.resolution, settings.gutter]
+    how = ["unwrap", settings.unwrapper, settings.resolution, settings.gutter, settings.texels_per_mm]
     key = _key(how, surface)
     found = shelf.kept(key)
     if found is not None:

@@ -60,13 +60,14 @@ def make_report(
         "seed": recipe.seed,
         "resolution": side,
         "texels": pages.core,
-        "coverage": round(pages.core / side**2, 6),
+        "coverage": round(pages.core / (side**2 * len(atlas.tiles)), 6),
         "unwrap": {
             "unwrapper": atlas.unwrapper,
             "charts": atlas.chart_count,
             "seam_length_mm": round(atlas.seam_length_mm(surface), 4),
             "texels_per_mm": round(atlas.texels_per_mm(surface, side), 6),
             "gutter_px": atlas.gutter_px,
+            "tiles": list(atlas.tiles),
         },
         "stages": stages.done,
         "wall_s": stages.wall_s(),
@@ -129,11 +130,15 @@ def measured_seams(surface: Surface, atlas: Atlas, pages: Pages) -> dict[str, An
     from surftex.charts.seams import seam_report
 
     decode = {}
-    if "normal" in pages.images:
+    if any(name.partition(".")[0] == "normal" for name in pages.images):
         from surftex.maps.normal import object_normals
 
         decode["normal"] = lambda values, points: object_normals(
             surface, pages.tangents, points.face, points.barycentric, values
         )
-    measured = {name: image for name, image in pages.images.items() if name != "region"}
+    measured: dict[str, dict[int, Any]] = {}
+    for name, image in pages.images.items():
+        base, _, tile = name.partition(".")
+        if base != "region":
+            measured.setdefault(base, {})[int(tile or 1001)] = image
     return seam_report(surface, atlas, measured, decode=decode)

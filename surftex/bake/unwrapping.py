@@ -48,8 +48,9 @@ class Unwrapping:
         from surftex.charts.unwrap import XATLAS_FACES
 
         self._keep_own()
-        small = self.settings.unwrapper == "auto" and len(self.surface.faces) <= XATLAS_FACES
-        if self.own is None and (self.settings.unwrapper == "xatlas" or small):
+        one = self.settings.texels_per_mm is None
+        small = one and self.settings.unwrapper == "auto" and len(self.surface.faces) <= XATLAS_FACES
+        if self.own is None and ((one and self.settings.unwrapper == "xatlas") or small):
             self.pool = ThreadPoolExecutor(1, "surftex-unwrap")
             self.future = self.pool.submit(self._unwrap, children=True)
         return self
@@ -74,13 +75,19 @@ class Unwrapping:
     def _keep_own(self) -> None:
         """Take the file's own UVs if they are wanted and will do; note why not."""
         uv = self.settings.uv
-        if uv == "unwrap" or (uv == "auto" and self.surface.corner_uv is None):
+        spread = self.settings.texels_per_mm is not None
+        if uv == "unwrap" or (uv == "auto" and (spread or self.surface.corner_uv is None)):
             return
         from surftex.charts.gate import keep_own
 
         with self.stages.stage("own uv"):
             try:
-                self.own = keep_own(self.surface, resolution=self.settings.resolution, threads=self.threads)
+                self.own = keep_own(
+                    self.surface,
+                    resolution=self.settings.resolution,
+                    udim=self.settings.udim,
+                    threads=self.threads,
+                )
             except InputError as problem:
                 if uv == "keep":
                     raise
@@ -102,6 +109,7 @@ class Unwrapping:
                     method=self.settings.unwrapper,
                     resolution=self.settings.resolution,
                     gutter_px=self.settings.gutter,
+                    texels_per_mm=self.settings.texels_per_mm,
                     tick=told,
                 )
 

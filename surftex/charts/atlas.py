@@ -1,10 +1,12 @@
 """`Atlas`: where each corner of each face lies on a square page, and what that does to lengths.
 
-u runs right and v up, inside 0 to 1. On a page of texels, columns run right and rows run down, and texel
-centres lie at one half: column = u width, row = (1 - v) height.
+u runs right and v up, inside 0 to 1; an atlas of several pages (UDIM) goes on to the right and up, a page to each unit
+square. On a page of texels, columns run right and rows run down, and texel centres lie at one half: column = u width,
+row = (1 - v) height.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,6 +105,34 @@ class Atlas:
         """Number of charts."""
         return int(self.chart.max()) + 1
 
+    @cached_property
+    def tile(self) -> NDArray[np.int64]:
+        """(m,) int64: number of each face's page, 1001 + column + 10 row, counted from the lower left."""
+        column, row = np.floor(self.corner_uv.mean(axis=1)).astype(np.int64).T
+        return frozen(1001 + column + 10 * row)
+
+    @cached_property
+    def tiles(self) -> tuple[int, ...]:
+        """Numbers of all pages, ascending."""
+        return tuple(np.unique(self.tile).tolist())
+
+    def page(self, tile: int) -> "Atlas":
+        """Take one page of several.
+
+        Parameters
+        ----------
+        tile : int
+            Its number.
+
+        Returns
+        -------
+        page : Atlas
+            Moved so that the page fills 0 to 1; faces of other pages lie outside.
+        """
+        if tile == 1001:
+            return self
+        return replace(self, corner_uv=frozen(self.corner_uv - tile_origin(tile)))
+
     def corner_px(self, width: int, height: int | None = None) -> NDArray[np.float64]:
         """Place the corners on a page of texels.
 
@@ -192,6 +222,23 @@ class Atlas:
         """
         inside = self.seam & (surface.neighbor >= 0)
         return float(surface.edge_length[inside].sum() / 2)
+
+
+def tile_origin(tile: ArrayLike) -> NDArray[np.float64]:
+    """Find the lower left corner of pages.
+
+    Parameters
+    ----------
+    tile : int or (k,) int
+        Their UDIM numbers.
+
+    Returns
+    -------
+    uv : (2,) or (k, 2) float64
+        u and v.
+    """
+    number = np.asarray(tile) - 1001
+    return np.stack([number % 10, number // 10], axis=-1).astype(np.float64)
 
 
 def chart_edges(surface: Surface, corner_uv: NDArray[np.float64]) -> NDArray[np.bool_]:

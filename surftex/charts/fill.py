@@ -1,12 +1,17 @@
 """Pictures without holes: every texel that stands for no place takes the value of the nearest one that does."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import frozen
 from surftex.errors import InputError
 from surftex.kernels.pool import slices
+from surftex.paged import let_go
+
+_ROWS = 64
 
 
 def nearest_mapped(mapped: NDArray[np.bool_], *, threads: int | None = None) -> NDArray[np.int64]:
@@ -29,46 +34,65 @@ def nearest_mapped(mapped: NDArray[np.bool_], *, threads: int | None = None) -> 
     InputError
         If no texel is mapped.
     """
-    from surftex.kernels.gutter import nearest_in_columns, nearest_in_rows
+    from surftex.kernels.gutter import nearest_in_rows
 
-    mapped = np.ascontiguousarray(mapped)
-    if not mapped.any():
-        raise InputError(
-            f"no texel of the {mapped.shape[1]} x {mapped.shape[0]} page is mapped; nothing can fill it"
-        )
+    row = _nearest_rows(mapped)
     height, width = mapped.shape
-    row = np.zeros((height, width), np.int32)
-    nearest_in_columns(mapped, row)
     source = np.zeros((height, width), np.int64)
 
     def work(first: int, last: int) -> None:
-        nearest_in_rows(row, first, last, np.zeros(width, np.int64), np.zeros(width + 1), source)
+        nearest_in_rows(row, first, last, np.zeros(width, np.int64), np.zeros(width + 1), source[first:last])
 
-    slices(work, height, size=64, threads=threads)
+    slices(work, height, size=_ROWS, threads=threads)
     return source
 
 
 def fill_nearest(
-    image: NDArray[Any], mapped: NDArray[np.bool_], *, threads: int | None = None
-) -> NDArray[Any]:
-    """Fill the texels of a picture that are not mapped, in place.
+    images: Iterable[NDArray[Any]], mapped: NDArray[np.bool_], *, threads: int | None = None
+) -> None:
+    """Fill the texels of pictures that are not mapped, in place.
 
     Parameters
     ----------
-    image : (height, width) or (height, width, c) array
-        Any type; C-contiguous.
+    images : iterable of (height, width) or (height, width, c) arrays
+        Any type; C-contiguous. They may lie in files, see `surftex.paged`.
     mapped : (height, width) bool
         Texels that hold a value.
     threads : int, optional
         None means every core.
 
-    Returns
-    -------
-    image : array
-        The same array.
+    Raises
+    ------
+    InputError
+        If no texel is mapped.
     """
-    source = nearest_mapped(mapped, threads=threads)
-    free = np.flatnonzero(~mapped)
-    flat = image.reshape(mapped.size, -1)
-    flat[free] = flat[source.ravel()[free]]
-    return image
+    from surftex.kernels.gutter import nearest_in_rows
+    from surftex.kernels.rows import repeat_rows
+
+    row = _nearest_rows(mapped)
+    width = mapped.shape[1]
+    pages = [image.reshape(mapped.size, -1) for image in images]
+
+    def work(first: int, last: int) -> None:
+        source = np.zeros((last - first, width), np.int64)
+        nearest_in_rows(row, first, last, np.zeros(width, np.int64), np.zeros(width + 1), source)
+        free = np.flatnonzero(~mapped[first:last])
+        place, source = frozen(free + first * width), frozen(source.ravel()[free])
+        for page in pages:
+            repeat_rows(place, source, page)
+            let_go(page)
+
+    slices(work, len(mapped), size=_ROWS, threads=threads)
+
+
+def _nearest_rows(mapped: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Row of the nearest mapped texel in each texel's column."""
+    from surftex.kernels.gutter import nearest_in_columns
+
+    if not mapped.any():
+        raise InputError(
+            f"no texel of the {mapped.shape[1]} x {mapped.shape[0]} page is mapped; nothing can fill it"
+        )
+    row = np.zeros(mapped.shape, np.int32)
+    nearest_in_columns(np.ascontiguousarray(mapped), row)
+    return row

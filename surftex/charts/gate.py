@@ -11,7 +11,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.charts.atlas import Atlas
+from surftex.charts.atlas import Atlas, tile_origin
 from surftex.charts.fill import nearest_mapped
 from surftex.charts.overlap import core_faces, overlapping_faces
 from surftex.charts.quality import ANISOTROPY_LIMIT, DENSITY_LIMIT, face_quality
@@ -81,7 +81,13 @@ class GateReport:
 
 
 def gate(
-    surface: Surface, atlas: Atlas, resolution: int, *, gap_px: float = GAP_PX, threads: int | None = None
+    surface: Surface,
+    atlas: Atlas,
+    resolution: int,
+    *,
+    gap_px: float = GAP_PX,
+    udim: bool = False,
+    threads: int | None = None,
 ) -> GateReport:
     """Examine an unwrap.
 
@@ -95,6 +101,8 @@ def gate(
         Side of the page in texels that a bake will use.
     gap_px : float
         Free texels that must lie between charts.
+    udim : bool
+        Whether the atlas may have several pages, a unit square each.
     threads : int, optional
         None means every core.
 
@@ -106,7 +114,10 @@ def gate(
     uv, area = atlas.corner_uv, surface.face_area_mm2
     total = area.sum()
     quality = face_quality(surface, uv)
-    outside = ((uv < -1e-6) | (uv > 1 + 1e-6)).any(axis=(1, 2))
+    local = uv - tile_origin(atlas.tile)[:, None] if udim else uv
+    outside = ((local < -1e-6) | (local > 1 + 1e-6)).any(axis=(1, 2))
+    if udim:
+        outside |= ((uv < -1e-6) | (uv > [10 + 1e-6, 900.0])).any(axis=(1, 2))
     flat = quality.orientation == 0
     mean = np.sqrt((area * quality.density**2).sum() / total)
     stretched = float(area[quality.anisotropy > ANISOTROPY_LIMIT].sum() / total)
@@ -117,8 +128,12 @@ def gate(
     faces = len(uv)
     overlapping, gap, coverage = 0, np.inf, 0.0
     if outside.any():
+        several = (
+            " (--udim takes tiles)" if not udim and (uv >= -1e-6).all() and (uv[..., 0] <= 10).all() else ""
+        )
         problems.append(
-            f"{outside.sum()} of {faces} faces leave 0..1; the first is face {int(outside.argmax())}"
+            f"{outside.sum()} of {faces} faces leave {'their tile' if udim else '0..1'}{several}; "
+            f"the first is face {int(outside.argmax())}"
         )
     if flat.any() and area[flat].sum() > (1 - AREA_SHARE) * total:
         problems.append(
@@ -133,15 +148,18 @@ def gate(
             f"{100 * uneven:.1f} % of the area is over {DENSITY_LIMIT:g} times denser or sparser than the rest"
         )
     if not problems:
-        overlapping, pairs = overlapping_faces(atlas.corner_px(resolution), resolution, threads=threads)
-        if overlapping:
-            problems.append(
-                f"{overlapping} texels lie in several faces; the first pair is {pairs[0, 0]} and {pairs[0, 1]}"
-            )
-        measured = min(resolution, MEASURED_PX)
-        owner = core_faces(atlas.corner_px(measured), measured, threads=threads)
-        coverage = float((owner >= 0).mean())
-        gap = _gap(atlas, owner) * resolution / measured
+        measured, tiles = min(resolution, MEASURED_PX), atlas.tiles if udim else (1001,)
+        for tile in tiles:
+            page = atlas.page(tile)
+            count, pairs = overlapping_faces(page.corner_px(resolution), resolution, threads=threads)
+            if count and not overlapping:
+                problems.append(
+                    f"{count} texels lie in several faces; the first pair is {pairs[0, 0]} and {pairs[0, 1]}"
+                )
+            overlapping += count
+            owner = core_faces(page.corner_px(measured), measured, threads=threads)
+            coverage += float((owner >= 0).mean()) / len(tiles)
+            gap = min(gap, _gap(page, owner) * resolution / measured)
         if gap < gap_px and not overlapping:
             problems.append(
                 f"charts are only {gap:.1f} texels apart at {resolution} texels; a bake takes {gap_px:g}"
@@ -162,7 +180,9 @@ def gate(
     )
 
 
-def keep_own(surface: Surface, *, resolution: int = 2048, threads: int | None = None) -> Atlas:
+def keep_own(
+    surface: Surface, *, resolution: int = 2048, udim: bool = False, threads: int | None = None
+) -> Atlas:
     """Use the file's own unwrap, if a bake can.
 
     Parameters
@@ -171,6 +191,8 @@ def keep_own(surface: Surface, *, resolution: int = 2048, threads: int | None = 
         With `corner_uv`.
     resolution : int
         Side of the page in texels.
+    udim : bool
+        Whether it may have several pages.
     threads : int, optional
         None means every core.
 
@@ -187,7 +209,7 @@ def keep_own(surface: Surface, *, resolution: int = 2048, threads: int | None = 
     if surface.corner_uv is None:
         raise InputError(f"{surface.name} has no UVs of its own; use --uv unwrap")
     atlas = Atlas.of(surface, surface.corner_uv)
-    report = gate(surface, atlas, resolution, threads=threads)
+    report = gate(surface, atlas, resolution, udim=udim, threads=threads)
     if not report.passed:
         raise InputError(
             f"the UVs of {surface.name} cannot be baked on: {'; '.join(report.problems)}. Use --uv unwrap"

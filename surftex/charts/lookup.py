@@ -1,11 +1,13 @@
 """Looking pictures up: bilinear values and their weights, mips by averages of two by two."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import read_only_view
+from surftex.paged import blocks, let_go, page
 
 
 def bilinear_stencil(
@@ -65,6 +67,33 @@ def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64
     return mixed[:, 0] if image.ndim == 2 else mixed
 
 
+def bilinear_tiles(
+    images: Mapping[int, NDArray[Any]], uv: NDArray[np.float64], tile: NDArray[np.integer]
+) -> NDArray[np.float64]:
+    """Look up pictures that lie on several pages.
+
+    Parameters
+    ----------
+    images : mapping of int to (height, width) or (height, width, c) array
+        By UDIM number; all alike.
+    uv : (n, 2) float64
+        Places, each on its own page.
+    tile : (n,) int
+        Page of each.
+
+    Returns
+    -------
+    value : (n,) or (n, c) float64
+        Mixed from four texels each, of one page.
+    """
+    first = next(iter(images.values()))
+    value = np.zeros((len(uv), *first.shape[2:]))
+    for number, image in images.items():
+        rows = tile == number
+        value[rows] = bilinear(image, uv[rows])
+    return value
+
+
 def half(image: NDArray[Any]) -> NDArray[Any]:
     """Make the next mip: the mean of each two by two texels.
 
@@ -80,8 +109,11 @@ def half(image: NDArray[Any]) -> NDArray[Any]:
     """
     from surftex.kernels.lookup import halve
 
-    height, width = image.shape[:2]
-    texels = read_only_view(image, image.dtype).reshape(height * width, -1)
-    result = np.zeros((height // 2, width // 2, *image.shape[2:]), image.dtype)
-    halve(texels, width, result.reshape(-1, texels.shape[1]))
+    height, width, *channels = image.shape
+    result = page((height // 2, width // 2, *channels), image.dtype)
+    for rows in blocks(image):
+        part = read_only_view(image[rows], image.dtype).reshape((rows.stop - rows.start) * width, -1)
+        smaller = result[rows.start // 2 : rows.stop // 2]
+        halve(part, width, smaller.reshape(-1, part.shape[1]))
+        let_go(result)
     return result

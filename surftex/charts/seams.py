@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.charts.atlas import Atlas
-from surftex.charts.lookup import bilinear, half
+from surftex.charts.atlas import Atlas, tile_origin
+from surftex.charts.lookup import bilinear, bilinear_tiles, half
 from surftex.charts.texels import Texels
+from surftex.paged import blocks, let_go
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
@@ -34,11 +35,13 @@ class SeamSamples:
     here, there : SurfacePoints
         The same s places, on the faces of either side.
     here_uv, there_uv : (s, 2) float64
-        Where the two sides lie on the page.
+        Where the two sides lie, each on its page.
     length_mm : (s,) float64
         Piece of seam that a sample stands for.
     hard : (s,) bool
         Whether the mesh's own shading normals part there by more than `HARD_DEGREES`.
+    here_tile, there_tile : (s,) int64
+        UDIM numbers of their pages.
     """
 
     here: SurfacePoints
@@ -47,6 +50,8 @@ class SeamSamples:
     there_uv: NDArray[np.float64]
     length_mm: NDArray[np.float64]
     hard: NDArray[np.bool_]
+    here_tile: NDArray[np.int64]
+    there_tile: NDArray[np.int64]
 
     def __len__(self) -> int:
         return len(self.here)
@@ -64,8 +69,9 @@ class SeamSamples:
             SurfacePoints.trusted(side.face[kept], side.barycentric[kept]) for side in (self.here, self.there)
         )
         return SeamSamples(
-            here, there, self.here_uv[kept], self.there_uv[kept], self.length_mm[kept], self.hard[kept]
-        )
+            here, there, self.here_uv[kept], self.there_uv[kept], self.length_mm[kept], self.hard[kept],
+            self.here_tile[kept], self.there_tile[kept],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -146,7 +152,8 @@ def seam_samples(surface: Surface, atlas: Atlas, resolution: int, *, per_texel: 
         weight[row, edges] = 1 - share
         weight[row, (edges + 1) % 3] = share
         points = SurfacePoints.trusted(faces.astype(np.int32), weight)
-        return points, np.einsum("sk,skc->sc", weight, atlas.corner_uv[faces])
+        uv = np.einsum("sk,skc->sc", weight, atlas.corner_uv[faces])
+        return points, uv - tile_origin(atlas.tile[faces])
 
     here, here_uv = side(face[index], edge[index], along)
     there, there_uv = side(other[index], other_edge[index], 1 - along)
@@ -156,11 +163,16 @@ def seam_samples(surface: Surface, atlas: Atlas, resolution: int, *, per_texel: 
     length = np.linalg.norm(normal, axis=2).prod(axis=0)
     hard = (normal[0] * normal[1]).sum(axis=1) < np.cos(np.radians(HARD_DEGREES)) * length
     length_mm = surface.edge_length[face, edge][index] / count[index]
-    return SeamSamples(here, there, here_uv, there_uv, length_mm, hard)
+    tile = atlas.tile
+    return SeamSamples(here, there, here_uv, there_uv, length_mm, hard, tile[here.face], tile[there.face])
 
 
 def seam_jumps(
-    samples: SeamSamples, image: NDArray[Any], *, mips: int = 3, decode: Decode | None = None
+    samples: SeamSamples,
+    image: NDArray[Any] | Mapping[int, NDArray[Any]],
+    *,
+    mips: int = 3,
+    decode: Decode | None = None,
 ) -> list[Jump]:
     """Measure one map's jumps.
 
@@ -168,8 +180,8 @@ def seam_jumps(
     ----------
     samples : SeamSamples
         Places along the seams.
-    image : (height, width) or (height, width, c) array
-        The map; whole numbers count as shares of their type's greatest.
+    image : (height, width) or (height, width, c) array, or mapping of int to such arrays
+        The map; whole numbers count as shares of their type's greatest. Several pages come by their UDIM numbers.
     mips : int
         Levels, each half as large; fewer where a side is odd.
     decode : callable, optional
@@ -181,15 +193,20 @@ def seam_jumps(
     jumps : list of Jump
         One per mip; differences of c channels count by their Euclidean length.
     """
-    if image.dtype.kind in "iu":
-        image = image.astype(np.float32) / np.iinfo(image.dtype).max
+    pages = dict(image) if isinstance(image, Mapping) else {1001: image}
     jumps = []
+    for tile, page in pages.items():
+        if page.dtype.kind in "iu":
+            pages[tile] = page.astype(np.float32) / np.iinfo(page.dtype).max
     for level in range(mips):
         if level:
-            if image.shape[0] % 2 or image.shape[1] % 2:
+            if any(side % 2 for page in pages.values() for side in page.shape[:2]):
                 break
-            image = half(image)
-        here, there = bilinear(image, samples.here_uv), bilinear(image, samples.there_uv)
+            pages = {tile: half(page) for tile, page in pages.items()}
+        here = bilinear_tiles(pages, samples.here_uv, samples.here_tile)
+        there = bilinear_tiles(pages, samples.there_uv, samples.there_tile)
+        for page in pages.values():
+            let_go(page)
         if decode is not None:
             here, there = decode(here, samples.here), decode(there, samples.there)
         difference = here - there
@@ -202,7 +219,7 @@ def seam_jumps(
 def seam_report(
     surface: Surface,
     atlas: Atlas,
-    images: Mapping[str, NDArray[Any]],
+    images: Mapping[str, NDArray[Any] | Mapping[int, NDArray[Any]]],
     *,
     mips: int = 3,
     decode: Mapping[str, Decode] | None = None,
@@ -215,8 +232,9 @@ def seam_report(
         What was baked.
     atlas : Atlas
         Its unwrap.
-    images : mapping of str to (height, width) or (height, width, c) array
-        Maps without holes, square, of one size or several. Ids and labels do not belong here.
+    images : mapping of str to (height, width) or (height, width, c) array, or to a mapping of int to such arrays
+        Maps without holes, square, of one size or several; of several pages by their UDIM numbers. Ids and labels do
+        not belong here.
     mips : int
         Levels to measure.
     decode : mapping of str to callable, optional
@@ -240,17 +258,23 @@ def seam_report(
     }
     placed: dict[int, SeamSamples] = {}
     for name, image in images.items():
-        side = image.shape[0]
+        pages = image if isinstance(image, Mapping) else {1001: image}
+        one = next(iter(pages.values()))
+        side = one.shape[0]
         if side not in placed:
             placed[side] = seam_samples(surface, atlas, side)
         samples = placed[side]
         told = (decode or {}).get(name)
-        jumps = seam_jumps(samples.soft() if told else samples, image, mips=mips, decode=told)
+        jumps = seam_jumps(samples.soft() if told else samples, pages, mips=mips, decode=told)
         report["maps"][name] = {**jumps[0].as_dict(), "mips": [jump.as_dict() for jump in jumps]}
         if len(samples) > report["samples"]:
             report["samples"], report["hard_share"] = len(samples), float(samples.hard.mean())
-        full = np.iinfo(image.dtype).max if image.dtype.kind in "iu" else 1.0
-        spread = (float(image.max()) - float(image.min())) / full
+        full = np.iinfo(one.dtype).max if one.dtype.kind in "iu" else 1.0
+        ends = np.array(
+            [(page[rows].min(), page[rows].max()) for page in pages.values() for rows in blocks(page)],
+            np.float64,
+        )
+        spread = (ends[:, 1].max() - ends[:, 0].min()) / full
         if spread > 0:
             report["max"] = max(report["max"], jumps[0].max / spread)
             report["rms"] = max(report["rms"], jumps[0].rms / spread)

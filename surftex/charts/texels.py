@@ -130,7 +130,7 @@ class Texels:
         page[self.texel - first * self.width] = values
         page = page.reshape(last - first, self.width, *values.shape[1:])
         if 0 < len(self) < (last - first) * self.width:
-            fill_nearest(page, self.mapped)
+            fill_nearest([page], self.mapped)
         return page
 
 

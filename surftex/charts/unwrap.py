@@ -15,7 +15,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.charts.atlas import Atlas
+from surftex.charts.atlas import Atlas, tile_origin
 from surftex.charts.mend import (
     bad_faces,
     notch_faces,
@@ -40,6 +40,11 @@ LEAST_COVERAGE = 0.3
 PACKED_SHARE = 0.85
 """Share of the page that charts and gutters cover together once they are packed."""
 
+MOST_TILES = 100
+"""Pages that a density may take: ten rows of ten."""
+
+_PER_UNIT, _LEAST_BLOCK = 256.0, 0.05
+
 MENDING_ROUNDS = 4
 """How often bad faces are cut off and all is packed again."""
 
@@ -50,6 +55,7 @@ def unwrap(
     method: Method = "auto",
     resolution: int = 2048,
     gutter_px: int | None = None,
+    texels_per_mm: float | None = None,
     budget_s: float = 30.0,
     tick: Tick | None = None,
 ) -> Atlas:
@@ -66,6 +72,8 @@ def unwrap(
     gutter_px : int, optional
         Free texels around each chart. R texels keep k mip levels clean where R >= 1.5 * 2^k. Without it,
         1/128 of the page, between 2 and 16, less where many small charts would leave no room.
+    texels_per_mm : float, optional
+        Density, over as many pages as it takes, side by side; one page, filled, without it. uvunwrap cuts and packs.
     budget_s : float
         Seconds of wall time for xatlas; beyond it uvunwrap takes over, and a note says so.
     tick : callable, optional
@@ -79,7 +87,7 @@ def unwrap(
     Raises
     ------
     InputError
-        If an option is out of range.
+        If an option is out of range, or the density takes more than `MOST_TILES` pages.
     WorkError
         If the charts do not fit on the page even without gaps.
     """
@@ -91,6 +99,16 @@ def unwrap(
     if not 0 <= gutter < resolution // 4:
         raise InputError(f"gutter_px is {gutter}; at {resolution} texels it takes 0 to {resolution // 4 - 1}")
     wanted = ("xatlas" if len(surface.faces) <= XATLAS_FACES else "uvunwrap") if method == "auto" else method
+    if texels_per_mm is not None:
+        pages = surface.area_mm2 * texels_per_mm**2 / (PACKED_SHARE * resolution**2)
+        if pages > MOST_TILES:
+            raise InputError(
+                f"{texels_per_mm:g} texels per mm take about {pages:.0f} tiles of {resolution} x {resolution}; "
+                f"at most {MOST_TILES} are made: raise the resolution, or lower the density"
+            )
+        if method == "xatlas":
+            raise InputError("xatlas packs one page; let texels_per_mm be done by --unwrapper uvunwrap")
+        wanted = "uvunwrap"
     notes: list[str] = []
     used = np.unique(surface.faces)
     vertices = np.zeros(surface.vertices.shape, np.float32)
@@ -104,9 +122,11 @@ def unwrap(
             notes.append(f"{problem}; uvunwrap took over")
             wanted = "uvunwrap"
     if charts is None:
-        charts = _generated(surface, vertices, _part(tick, 0, 0.7))
+        charts = _generated(
+            surface, vertices, _part(tick, 0, 0.7), _page_size(surface, resolution, gutter, texels_per_mm)
+        )
     drawn = Atlas.of(surface, charts / max(1.0, np.abs(charts).max()))
-    if gutter_px is None:
+    if gutter_px is None and texels_per_mm is None:
         gutter = _affordable(surface, drawn, resolution, gutter)
     sheet = true_scale(surface, charts, drawn.chart)
     cut = notch_faces(
@@ -116,10 +136,20 @@ def unwrap(
     packed, worse = charts, np.zeros(0, np.int32)
     for turn in range(MENDING_ROUNDS):
         packed, gutter = _packed(
-            surface, sheet, drawn.chart, cut | single, resolution, gutter, notes, _part(tick, 0.7, 1)
+            surface,
+            sheet,
+            drawn.chart,
+            cut | single,
+            resolution,
+            gutter,
+            texels_per_mm,
+            notes,
+            _part(tick, 0.7, 1),
         )
         atlas = Atlas.of(surface, packed)
-        worse = overlap_faces(surface, atlas, resolution)
+        worse = np.unique(
+            np.concatenate([overlap_faces(surface, atlas.page(tile), resolution) for tile in atlas.tiles])
+        )
         worse = worse[~cut[worse]]
         if len(worse) == 0:
             break
@@ -211,16 +241,49 @@ def _part(tick: Tick | None, start: float, end: float) -> Tick | None:
     return None if tick is None else lambda share: tick(start + (end - start) * min(1.0, max(0.0, share)))
 
 
-def _generated(surface: Surface, vertices: NDArray[np.float32], tick: Tick | None) -> NDArray[np.float64]:
-    """Cut and flatten by uvunwrap, packed in haste."""
+def _page_size(surface: Surface, resolution: int, gutter: int, texels_per_mm: float | None) -> float:
+    """Side of a page of that density inside its gutter, as a share of the mesh's longest; infinite without one."""
+    if texels_per_mm is None:
+        return np.inf
+    return (resolution - 2 * gutter) / (texels_per_mm * float(np.ptp(surface.vertices, axis=0).max()))
+
+
+def _generated(
+    surface: Surface, vertices: NDArray[np.float32], tick: Tick | None, page: float
+) -> NDArray[np.float64]:
+    """Cut and flatten by uvunwrap, packed in haste; charts longer than a page are cut along cubes in space."""
     import uvunwrap
 
-    borders = np.ascontiguousarray(surface.neighbor < 0, np.uint8)
-    mesh = uvunwrap.Mesh(vertices, surface.faces.astype(np.uint32), seams=borders)
-    result = _finished(
-        uvunwrap.start([mesh], page_size=None, texels_per_unit=256.0, padding=0, packing="fast"), tick
-    )
-    return _corners(result)
+    cuts, block = surface.neighbor < 0, 0.9 * page
+    middle = vertices[surface.faces].mean(axis=1)
+    while True:
+        mesh = uvunwrap.Mesh(
+            vertices, surface.faces.astype(np.uint32), seams=np.ascontiguousarray(cuts, np.uint8)
+        )
+        job = uvunwrap.start([mesh], page_size=None, texels_per_unit=_PER_UNIT, padding=0, packing="fast")
+        result = _finished(job, tick)
+        corner, output = _corners(result), result.meshes[0]
+        chart = _of_faces(output, output.chart)
+        side = np.zeros(int(chart.max()) + 1)
+        for axis in (0, 1):
+            low, high = np.full(len(side), np.inf), np.full(len(side), -np.inf)
+            np.minimum.at(low, chart, corner[..., axis].min(axis=1))
+            np.maximum.at(high, chart, corner[..., axis].max(axis=1))
+            side = np.maximum(side, high - low)
+        large = (side > page * _PER_UNIT)[chart]
+        if not large.any() or block < _LEAST_BLOCK * page:
+            return corner
+        cube = np.floor(middle / block).astype(np.int64)
+        cuts = cuts | (
+            (cube[:, None] != cube[surface.neighbor]).any(axis=2) & large[:, None] & large[surface.neighbor]
+        )
+        block *= 0.7
+
+
+def _of_faces(output: Any, of_vertices: Any) -> NDArray[np.int32]:
+    """Read what uvunwrap says of its vertices, by face."""
+    first = np.frombuffer(output.indices, np.uint32).reshape(-1, 3)[:, 0]
+    return np.frombuffer(of_vertices, np.int32)[first]
 
 
 def _packed(
@@ -230,6 +293,7 @@ def _packed(
     alone: NDArray[np.bool_],
     resolution: int,
     gutter: int,
+    texels_per_mm: float | None,
     notes: list[str],
     tick: Tick | None,
 ) -> tuple[NDArray[np.float64], int]:
@@ -256,6 +320,11 @@ def _packed(
         np.ascontiguousarray(index.reshape(-1, 3), np.uint32),
         existing_uvs=np.ascontiguousarray(flat[first]),
     )
+    if texels_per_mm is not None:
+        units_mm = float(np.ptp(space.reshape(-1, 3)[first], axis=0).max())
+        return true_to_shape(
+            surface, _spread(mesh, resolution, gutter, texels_per_mm * units_mm, tick), single
+        ), gutter
     page, gutter = _fitted(mesh, resolution, gutter, notes, tick)
     return true_to_shape(surface, page, single), gutter
 
@@ -282,6 +351,26 @@ def _fitted(
     if gutter != asked:
         notes.append(f"the page has no room for {asked} free texels around each chart; they have {gutter}")
     return _corners(result) / resolution, gutter
+
+
+def _spread(
+    mesh: Any, resolution: int, gutter: int, texels_per_unit: float, tick: Tick | None
+) -> NDArray[np.float64]:
+    """Pack by uvunwrap over as many pages as it takes, at a given density."""
+    import uvunwrap
+
+    try:
+        result = _finished(
+            uvunwrap.start([mesh], page_size=resolution, texels_per_unit=texels_per_unit, padding=gutter),
+            tick,
+        )
+    except uvunwrap.UnwrapError as problem:
+        raise WorkError(f"the charts do not fit on tiles of {resolution} x {resolution}: {problem}") from None
+    if result.page_count > MOST_TILES:
+        raise WorkError(f"the charts take {result.page_count} tiles; at most {MOST_TILES} are made")
+    output = result.meshes[0]
+    page = _of_faces(output, output.page)
+    return _corners(result) / resolution + tile_origin(1001 + page)[:, None]
 
 
 def _corners(result: Any) -> NDArray[np.float64]:

@@ -31,10 +31,6 @@ def run(options: Namespace) -> None:
         With everything a user can mend, in one line.
     """
     started = time.perf_counter()
-    if options.udim:
-        raise RecipeError(
-            "--udim: pages of several tiles cannot be baked yet; bake one at a higher --resolution"
-        )
     recipe = make_recipe(options)
     folder = Path(options.out) if options.out else Path(f"{_stem(recipe)}-{_material_name(options, recipe)}")
     _check(folder, recipe, overwrite=options.overwrite)
@@ -65,8 +61,9 @@ def run(options: Namespace) -> None:
         out(json.dumps(report, indent=1, ensure_ascii=False))
     elif not options.quiet:
         counts = ", ".join(f"{count:,} {kind}" for kind, count in report["features"].items())
-        side, texels = report["resolution"], report["texels"]
-        out(f"{folder}: {len(paths)} files; {side} x {side}, {texels:,} texels; {counts or 'no features'}; "
+        side, texels, tiles = report["resolution"], report["texels"], report["unwrap"]["tiles"]
+        several = f" on {len(tiles)} tiles" if len(tiles) > 1 else ""
+        out(f"{folder}: {len(paths)} files; {side} x {side}{several}, {texels:,} texels; {counts or 'no features'}; "
             f"{time.perf_counter() - started:.1f} s")  # fmt: skip
 
 
@@ -146,6 +143,8 @@ def make_recipe(options: Namespace) -> "Recipe":
         uv=options.uv,
         unwrapper=options.unwrapper,
         max_features=options.max_features,
+        udim=options.udim,
+        texels_per_mm=options.texels_per_mm,
         displaced=options.displaced or options.displaced_format is not None or None,
         displaced_format=options.displaced_format,
     )  # fmt: skip

@@ -177,7 +177,15 @@ def _bake(parser: Parser) -> None:
     parser.add_argument(
         "--max-features", type=_whole, metavar="N", help="refuse beyond this (default: 5000000)"
     )
-    parser.add_argument("--udim", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument(
+        "--udim",
+        action="store_true",
+        default=None,
+        help="several tiles: those of the file's own UVs, or see --texels-per-mm",
+    )
+    parser.add_argument(
+        "--texels-per-mm", type=_number, metavar="X", help="unwrap over as many tiles as this density takes"
+    )
     parser.add_argument("--threads", type=_whole, metavar="N", help="threads to use (default: all cores)")
     parser.add_argument(
         "--tile", type=_whole, metavar="ROWS", help="rows worked on at a time, to bound memory"

@@ -10,6 +10,7 @@ name, unit and range of the height map stand in the material's extras.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from surftex.arrays import equal_rows
 from surftex.errors import InputError
 from surftex.surface.surface import Surface
 
-TEXTURES = ("base_color", "orm", "normal", "specular")
+TEXTURES = ("base_color", "orm", "normal", "specular_color")
 """Pictures that a GLB can carry; ``orm`` holds occlusion, roughness and metallic in red, green and blue."""
 
 _FAR = 100.0
@@ -70,11 +71,12 @@ def glb_bytes(
     surface: Surface,
     corner_uv: NDArray[np.float64],
     tangents: NDArray[np.float64],
-    pictures: Mapping[str, bytes],
+    pictures: Mapping[str, bytes | str],
     *,
+    tile: NDArray[np.integer] | None = None,
     name: str | None = None,
     occluded: bool = False,
-    extras: Mapping[str, Any] | None = None,
+    extras: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> bytes:
     """Pack a surface with its maps.
 
@@ -86,14 +88,17 @@ def glb_bytes(
         The unwrap; v up.
     tangents : (m, 3, 4) float
         Of `surftex.maps.normal.surface_tangents`.
-    pictures : mapping of str to bytes
-        PNG files by what they hold: some of `TEXTURES`.
+    pictures : mapping of str to bytes or str
+        PNG files by what they hold, some of `TEXTURES`: their bytes, to have inside, or the names of files beside.
+        Those of several pages end in a point and its UDIM number.
+    tile : (m,) int, optional
+        UDIM number of each face's page, where there are several: each has materials of its own.
     name : str, optional
         Stem of the names of mesh and pictures; the surface's without it.
     occluded : bool
         Whether red of ``orm`` holds ambient occlusion.
     extras : mapping, optional
-        Kept in each material: plain JSON.
+        Kept in the materials of each page, by its number, "" for the only one: plain JSON.
 
     Returns
     -------
@@ -107,7 +112,7 @@ def glb_bytes(
     """
     import pygltflib
 
-    unknown = sorted(set(pictures) - set(TEXTURES))
+    unknown = sorted({role.partition(".")[0] for role in pictures} - set(TEXTURES))
     if unknown:
         raise InputError(f"pictures holds {unknown[0]!r}; a GLB takes {', '.join(TEXTURES)}")
     name = surface.name if name is None else name
@@ -115,19 +120,29 @@ def glb_bytes(
     document.asset = pygltflib.Asset(version="2.0", generator="surftex")
     buffer = _Buffer(document)
     shift, offset = _placed(surface)
-    used = np.unique(surface.part)
+    pages = np.zeros(len(surface.faces), np.int64) if tile is None else np.asarray(tile, np.int64)
+    used = [
+        (int(part), int(page)) for part, page in np.unique(np.stack([surface.part, pages], axis=1), axis=0)
+    ]
+    several = len({part for part, _ in used}) > 1
     primitives = [
         _primitive(
-            buffer, surface, corner_uv, tangents, np.flatnonzero(surface.part == part), offset, material
+            buffer, surface, corner_uv if page == 0 else corner_uv - _origin(page), tangents,
+            np.flatnonzero((surface.part == part) & (pages == page)), offset, material,
         )
-        for material, part in enumerate(used)
-    ]
+        for material, (part, page) in enumerate(used)
+    ]  # fmt: skip
     textures = _textures(buffer, pictures, name)
-    document.materials = [
-        _material(surface.part_names[part] if len(used) > 1 else name, textures, occluded, extras)
-        for part in used
-    ]
-    if "specular" in textures:
+    numbers = {role.partition(".")[2] for role in pictures} | set(extras or {})
+    one = numbers.pop() if len(numbers) == 1 else ""
+    document.materials = []
+    for part, page in used:
+        number = str(page) if page else one
+        suffix = f".{number}" if number else ""
+        own = {role: textures[role + suffix] for role in TEXTURES if role + suffix in textures}
+        label = (surface.part_names[part] if several else name) + (f".{page}" if page else "")
+        document.materials.append(_material(label, own, occluded, (extras or {}).get(number)))
+    if any(role.startswith("specular_color") for role in textures):
         document.extensionsUsed = ["KHR_materials_specular"]
     document.meshes = [pygltflib.Mesh(name=name, primitives=primitives)]
     document.nodes = [pygltflib.Node(name=name, mesh=0, translation=shift)]
@@ -136,6 +151,11 @@ def glb_bytes(
     document.buffers = [pygltflib.Buffer(byteLength=buffer.size)]
     document.set_binary_blob(b"".join(buffer.parts))
     return b"".join(document.save_to_bytes())
+
+
+def _origin(tile: int) -> NDArray[np.float64]:
+    """Lower left corner of a UDIM page."""
+    return np.array([(tile - 1001) % 10, (tile - 1001) // 10], np.float64)
 
 
 def _placed(surface: Surface) -> tuple[list[float] | None, NDArray[np.float64]]:
@@ -183,18 +203,23 @@ def _primitive(
     return Primitive(attributes=Attributes(**accessors), indices=indices, material=material, mode=4)
 
 
-def _textures(buffer: _Buffer, pictures: Mapping[str, bytes], name: str) -> dict[str, int]:
-    """Embed the pictures; number the textures by role."""
+def _textures(buffer: _Buffer, pictures: Mapping[str, bytes | str], name: str) -> dict[str, int]:
+    """Embed or name the pictures; number the textures by role."""
     from pygltflib import Image, Sampler, Texture
 
     document = buffer.document
     result = {}
     if pictures:
         document.samplers = [Sampler(magFilter=9729, minFilter=9987, wrapS=33071, wrapT=33071)]
-    for role in TEXTURES:
-        if role in pictures:
-            view = buffer.view(pictures[role])
-            document.images.append(Image(name=f"{name}_{role}", mimeType="image/png", bufferView=view))
+    for base in TEXTURES:
+        for role in sorted(role for role in pictures if role.partition(".")[0] == base):
+            picture = pictures[role]
+            own: dict[str, Any] = (
+                {"uri": quote(picture)}
+                if isinstance(picture, str)
+                else {"mimeType": "image/png", "bufferView": buffer.view(picture)}
+            )
+            document.images.append(Image(name=f"{name}_{role}", **own))
             document.textures.append(
                 Texture(name=f"{name}_{role}", sampler=0, source=len(document.images) - 1)
             )
@@ -232,10 +257,10 @@ def _material(
         material.normalTexture = NormalMaterialTexture(index=textures["normal"])
     if occluded and "orm" in textures:
         material.occlusionTexture = OcclusionTextureInfo(index=textures["orm"])
-    if "specular" in textures:
+    if "specular_color" in textures:
         color = {
             "specularColorFactor": [2.0, 2.0, 2.0],
-            "specularColorTexture": {"index": textures["specular"]},
+            "specularColorTexture": {"index": textures["specular_color"]},
         }
         material.extensions = {"KHR_materials_specular": color}
     return material

@@ -5,6 +5,8 @@ the difference to the row above. 16-bit normals are noise in their low bytes, wh
 nothing: run lengths cost half the time and 4 percent more bytes.
 """
 
+import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError, WorkError
 from surftex.files.decoding import decoded, kind_of, read_exr_channels
+from surftex.paged import blocks, let_go
 
 _UP, _RUNS, _ROWS = 32, 3, 64
 
@@ -62,6 +65,50 @@ def jpeg_bytes(pixels: NDArray[np.uint8], *, quality: int = 88) -> bytes:
     import imagecodecs
 
     return bytes(imagecodecs.jpeg_encode(np.ascontiguousarray(pixels), level=quality))
+
+
+def write_png(path: Path, codes: Callable[..., NDArray[Any]], *images: NDArray[Any]) -> None:
+    """Write a large picture as PNG, a block of rows at a time: neither its codes nor its file are ever held whole.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file.
+    codes : callable
+        ``codes(*rows)`` turns rows of the images into codes: (k, width) or (k, width, 3) uint8 or uint16.
+    *images : (height, width) or (height, width, 3) array
+        Row 0 on top; they may lie in files, see `surftex.paged`.
+
+    Raises
+    ------
+    WorkError
+        If the file cannot be written.
+    """
+    height, width = images[0].shape[:2]
+    first = codes(*(image[:1] for image in images))
+    wide = first.dtype.itemsize
+    pack = zlib.compressobj(1, zlib.DEFLATED, 15, 9, zlib.Z_RLE if wide == 2 else zlib.Z_DEFAULT_STRATEGY)
+    kind = struct.pack(">IIBBBBB", width, height, 8 * wide, 2 if first.ndim == 3 else 0, 0, 0, 0)
+    above = np.zeros((1, first.nbytes), np.uint8)
+    try:
+        with path.open("wb") as file:
+            file.write(b"\x89PNG\r\n\x1a\n" + _chunk(b"IHDR", kind))
+            for rows in blocks(images[0]):
+                part = codes(*(image[rows] for image in images))
+                line = part.astype(part.dtype.newbyteorder(">")).view(np.uint8).reshape(len(part), -1)
+                told = np.full((len(line), line.shape[1] + 1), 2, np.uint8)  # 2: less the row above
+                told[:, 1:] = line - np.concatenate([above, line[:-1]])
+                above = line[-1:]
+                file.write(_chunk(b"IDAT", pack.compress(told.data)))
+                for image in images:
+                    let_go(image)
+            file.write(_chunk(b"IDAT", pack.flush()) + _chunk(b"IEND", b""))
+    except OSError as problem:
+        raise WorkError(f"{path.name}: cannot write: {problem.strerror or problem}") from None
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
 
 def read_png(path: str | Path) -> NDArray[Any]:
@@ -183,6 +230,7 @@ def write_exr(path: str | Path, image: NDArray[np.floating], *, channel: str = "
     try:
         with OpenEXR.File(header, {channel if pixels.ndim == 2 else "RGB": pixels}) as file:
             file.write(str(path))
+        let_go(pixels)
     except (RuntimeError, OSError) as problem:
         raise WorkError(f"{path}: cannot write: {str(problem).splitlines()[0]}") from None
 

@@ -196,7 +196,7 @@ def nearest_in_rows(row, first, last, site, reach, source):
     """Find the nearest mapped texel of each texel of rows [first, last): the lower envelope of its row's parabolas.
 
     row (height, width) int32 of `nearest_in_columns`; site (width,) int64 and reach (width + 1,) float64:
-    room to work in; source (height, width) int64: flat index of the nearest mapped texel, -1 where nothing
+    room to work in; source (last - first, width) int64: flat index of the nearest mapped texel, -1 where nothing
     is mapped.
     """
     width = row.shape[1]
@@ -221,8 +221,8 @@ def nearest_in_rows(row, first, last, site, reach, source):
         k = 0
         for c in range(width):
             if count == 0:
-                source[r, c] = -1
+                source[r - first, c] = -1
                 continue
             while k + 1 < count and reach[k + 1] < c:
                 k += 1
-            source[r, c] = row[r, site[k]] * width + site[k]
+            source[r - first, c] = row[r, site[k]] * width + site[k]

@@ -27,10 +27,10 @@ def put_rows(row, low, high, value, table):
 
 @kernel
 def repeat_rows(row, source, table):
-    """Write into the rows row (k,) int64 of table (n, c) what its rows source[row] hold; source (n,) int64."""
+    """Write into the rows row (k,) int64 of table (n, c) what its rows source (k,) int64 hold."""
     for i in range(len(row)):
         r = row[i]
-        s = source[r]
+        s = source[i]
         for c in range(table.shape[1]):
             table[r, c] = table[s, c]
 

@@ -14,6 +14,7 @@ from surftex.charts.atlas import Atlas
 from surftex.errors import InputError
 from surftex.files.output import check_output, file_hashes, whole_output
 from surftex.maps.page import read_only
+from surftex.paged import blocks
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ class MapSet(Mapping[str, NDArray[Any]]):
     Attributes
     ----------
     maps : mapping of str to (h, w) or (h, w, 3) float32
-        By name, in the ranges of `MAPS`; ``region`` is int32. Read-only views: the arrays are handed over.
+        By name, in the ranges of `MAPS`; ``region`` is int32; pages of a UDIM bake by name and number, such as
+        ``height.1002``. Read-only views: the arrays are handed over.
     surface : Surface
         What was baked; m faces.
     atlas : Atlas
@@ -100,9 +102,12 @@ class MapSet(Mapping[str, NDArray[Any]]):
     @property
     def file_names(self) -> list[str]:
         """Names of the files that `save` writes."""
-        from surftex.maps.encode import file_name
+        from surftex.maps.encode import file_name, textures_beside
 
-        names = [f"{self.stem}.glb", *(file_name(self.stem, name) for name in self.maps)]
+        names = [
+            f"{self.stem}.glb",
+            *(file_name(self.stem, name) for name in [*self.maps, *textures_beside(self)]),
+        ]
         return [*names, *(["features.npz"] if self.features is not None else []), "report.json"]
 
     def save(self, folder: str | Path, *, overwrite: bool = False, threads: int | None = None) -> list[Path]:
@@ -172,21 +177,26 @@ class MapSet(Mapping[str, NDArray[Any]]):
 
 def _checked_map(name: str, image: NDArray[Any]) -> NDArray[Any]:
     """Refuse pictures that cannot be the map of that name."""
-    if not name.isidentifier():
-        raise InputError(f"{name!r} is no name of a map; it takes letters, digits and underscores")
+    base, _, tile = name.partition(".")
+    if not base.isidentifier() or (tile and not tile.isdigit()):
+        raise InputError(
+            f"{name!r} is no name of a map; it takes letters, digits and underscores, and a tile's number after a point"
+        )
     array = np.asarray(image)
-    channels = 3 if name in _COLOURS else 1
+    channels = 3 if base in _COLOURS else 1
     shape = array.shape[2:]
-    known = name in MAPS
+    known = base in MAPS
     if (
         array.ndim not in (2, 3)
         or (known and shape != ((3,) if channels == 3 else ()))
         or shape not in ((), (3,))
     ):
         raise InputError(
-            f"map {name} has shape {array.shape}; it takes {MAPS.get(name, '(h, w) or (h, w, 3)')}"
+            f"map {name} has shape {array.shape}; it takes {MAPS.get(base, '(h, w) or (h, w, 3)')}"
         )
-    array = array.astype(np.int32 if name == "region" else np.float32, copy=False)
-    if array.dtype == np.float32 and not np.isfinite(array).all():
-        raise InputError(f"map {name} holds {(~np.isfinite(array)).sum()} values that are not finite")
+    array = array.astype(np.int32 if base == "region" else np.float32, copy=False)
+    if array.dtype == np.float32:
+        wrong = sum(int(np.count_nonzero(~np.isfinite(array[rows]))) for rows in blocks(array))
+        if wrong:
+            raise InputError(f"map {name} holds {wrong} values that are not finite")
     return read_only(array)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import equal_rows
+from surftex.errors import InputError
 from surftex.files.images import normal_codes, png_bytes, srgb_codes, unit_codes
 
 if TYPE_CHECKING:
@@ -65,6 +66,8 @@ def textured_mesh(maps: "MapSet") -> TexturedMesh:
     polydata.point_data["Normals"] = vertex[:, 3:6]
     polydata.point_data.active_normals_name = "Normals"
     polydata.active_texture_coordinates = vertex[:, 6:]
+    if any("." in name for name in maps):
+        raise InputError(f"{maps.stem} lies on several tiles; save it, and load its GLB")
     pictures = {name: picture_codes(name, maps[name]) for name in maps if name in ("base_color", "normal")}
     if "roughness" in maps:
         rough = unit_codes(maps["roughness"])
@@ -131,7 +134,9 @@ def contact_sheet(maps: "MapSet") -> str:
     cells = []
     for name, image in maps.items():
         step = max(1, -(-max(image.shape[:2]) // _THUMBNAIL))
-        data = base64.b64encode(png_bytes(picture_codes(name, image[::step, ::step]))).decode()
+        data = base64.b64encode(
+            png_bytes(picture_codes(name.partition(".")[0], image[::step, ::step]))
+        ).decode()
         label = f"{name} {image.min():.3g} to {image.max():.3g}"
         cells.append(
             f'<figure style="display:inline-block;margin:4px;text-align:center;font-size:12px">'

@@ -70,6 +70,8 @@ def _clay(surface: Surface) -> Body:
 
 def _baked(maps: MapSet) -> Body:
     """Use the maps as they are: more exact than the files, for they are not yet codes."""
+    if any("." in name for name in maps):
+        raise InputError(f"{maps.stem} lies on several tiles; save it, and draw its GLB")
     plain = _clay(maps.surface)
     size = next(iter(maps.values())).shape[:2]
     image = np.zeros((*size, CHANNELS), np.float32)

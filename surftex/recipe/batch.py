@@ -34,6 +34,8 @@ class _Options(BaseModel):
     unwrapper: Any = None
     uv: Any = None
     equalise: Any = None
+    udim: Any = None
+    texels_per_mm: Any = None
     displaced: Any = None
     displaced_format: Any = None
     max_features: Any = None

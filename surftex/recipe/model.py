@@ -13,6 +13,7 @@ from pydantic import (
     StrictInt,
     StrictStr,
     field_validator,
+    model_validator,
 )
 
 from surftex.errors import RecipeError
@@ -72,12 +73,27 @@ class BakeSettings(BaseModel):
     equalise: StrictBool = Field(
         default=False, description="Even out what is left of seams by least squares."
     )
+    udim: StrictBool = Field(
+        default=False,
+        description="Pages of several tiles: those of the file's own UVs, or as many as `texels_per_mm` takes.",
+    )
+    texels_per_mm: Annotated[float, Field(gt=0, le=1e4)] | None = Field(
+        default=None, description="Density of a new unwrap over several tiles; one tile if not given."
+    )
     displaced: StrictBool = Field(default=False, description="Write the displaced mesh as well.")
     displaced_format: Literal["glb", "obj", "ply", "stl"] = "glb"
     displaced_edge: PositiveMillimetres | None = Field(
         default=None, description="Longest edge of the displaced mesh; two texels if not given."
     )
     max_features: Annotated[StrictInt, Field(ge=1)] = 5_000_000
+
+    @model_validator(mode="after")
+    def _fits_tiles(self) -> "BakeSettings":
+        if self.texels_per_mm is not None and not self.udim:
+            raise ValueError("texels_per_mm spreads an unwrap over tiles; it takes udim = true (--udim)")
+        if self.udim and self.equalise:
+            raise ValueError("equalise works on one page; leave it out where udim is true")
+        return self
 
     @field_validator("maps")
     @classmethod

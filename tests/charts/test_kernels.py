@@ -113,7 +113,7 @@ def test_fill_takes_the_nearest_mapped_texel(seed):
 
 def test_fill_refuses_an_empty_page():
     with pytest.raises(InputError, match="no texel of the 4 x 3 page is mapped"):
-        fill_nearest(np.zeros((3, 4)), np.zeros((3, 4), bool))
+        fill_nearest([np.zeros((3, 4))], np.zeros((3, 4), bool))
 
 
 @pytest.mark.parametrize("channels", [(), (3,)])

@@ -20,11 +20,11 @@ from surftex.surface.shapes import cylinder, plane, sphere, torus
 from surftex.surface.surface import Surface
 
 
-def pictures(roles=("base_color", "orm", "normal", "specular")):
+def pictures(roles=("base_color", "orm", "normal", "specular_color")):
     random = np.random.RandomState(0)
     result = {}
     for role in roles:
-        shape = (8, 8) if role == "specular" else (8, 8, 3)
+        shape = (8, 8) if role == "specular_color" else (8, 8, 3)
         dtype = np.uint16 if role == "normal" else np.uint8
         result[role] = png_bytes(random.randint(0, 256, shape).astype(dtype))
     return result
@@ -44,7 +44,7 @@ def faceted():
     return Surface.from_arrays(ring.vertices, ring.faces, corner_normal=normal, name="ring")
 
 
-def packed(surface, roles=("base_color", "orm", "normal", "specular"), **options):
+def packed(surface, roles=("base_color", "orm", "normal", "specular_color"), **options):
     atlas = unwrap(surface, method="uvunwrap", resolution=256)
     tangents = surface_tangents(surface, atlas)
     return glb_bytes(surface, atlas.corner_uv, tangents, pictures(roles), **options), atlas, tangents
@@ -93,7 +93,7 @@ def test_a_far_origin_goes_into_the_node():
 
 
 def test_textures_are_wired():
-    data, *_ = packed(parted_ball(), name="shoe", occluded=True, extras={"height": "x.exr"})
+    data, *_ = packed(parted_ball(), name="shoe", occluded=True, extras={"": {"height": "x.exr"}})
     document = pygltflib.GLTF2.load_from_bytes(data)
     source = {t.source: i for i, t in enumerate(document.textures)}
     role = {image.name: source[i] for i, image in enumerate(document.images)}
@@ -105,7 +105,7 @@ def test_textures_are_wired():
         assert material.normalTexture.index == role["shoe_normal"]
         assert (
             material.extensions["KHR_materials_specular"]["specularColorTexture"]["index"]
-            == role["shoe_specular"]
+            == role["shoe_specular_color"]
         )
         assert material.extras == {"height": "x.exr"}
     given = pictures()
@@ -140,7 +140,7 @@ def issues(path):
 @pytest.mark.parametrize("subject", ["parts", "far", "tube", "faceted", "mirrored", "bare", "colour only"])
 def test_valid_by_khronos(subject, tmp_path):
     roles = {"bare": (), "colour only": ("base_color",)}.get(
-        subject, ("base_color", "orm", "normal", "specular")
+        subject, ("base_color", "orm", "normal", "specular_color")
     )
     if subject == "mirrored":
         flat = plane(cells=4)
@@ -152,7 +152,7 @@ def test_valid_by_khronos(subject, tmp_path):
             "far": lambda: parted_ball((5e6, 0, 0)),
             "faceted": faceted,
         }.get(subject, cylinder)()
-        data = packed(surface, roles, occluded=True, extras={"note": "é"})[0]
+        data = packed(surface, roles, occluded=True, extras={"": {"note": "é"}})[0]
     (tmp_path / "a.glb").write_bytes(data)
     found = issues(tmp_path / "a.glb")
     assert (found["numErrors"], found["numWarnings"]) == (0, 0), found["messages"][:3]
