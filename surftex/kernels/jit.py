@@ -7,6 +7,7 @@ user's cache folder, where it outlives a reinstall.
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -15,6 +16,7 @@ import platformdirs
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(platformdirs.user_cache_dir("surftex")) / "kernels"))
 
 import numba  # after the line above: the cache folder is read when numba is imported
+from numba.core.caching import FunctionCache
 
 Result = TypeVar("Result")
 Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
@@ -22,8 +24,48 @@ Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
 _ALL: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 _INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
 
-kernel: Decorator = numba.njit(cache=True, **_ALL)
-"""Decorator of every kernel. Arguments are checked by numba, by the types of the arrays that come in."""
+
+class _Cache(FunctionCache):
+    """Compiled code on disk, which is a convenience: what cannot be read or written is compiled again."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Load what was compiled for a signature; None where there is nothing, or it is damaged."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # noqa: BLE001  (whatever a damaged pickle raises)
+            self._forget()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep what was compiled, where there is room."""
+        try:
+            super().save_overload(sig, data)
+        except Exception:  # noqa: BLE001  (a full disk, or a damaged index)
+            self._forget()
+
+    def _forget(self) -> None:
+        with suppress(OSError):
+            self.flush()
+
+
+def kernel(function: Callable[..., Result]) -> Callable[..., Result]:
+    """Compile a kernel when it is first called, by the types of its arguments, and keep it on disk.
+
+    Parameters
+    ----------
+    function : callable
+        Arrays and numbers in, arrays filled; see the rules in ARCHITECTURE.md.
+
+    Returns
+    -------
+    kernel : callable
+        Of the same arguments.
+    """
+    compiled: Any = numba.njit(**_ALL)(function)
+    with suppress(RuntimeError):  # no folder can be written: compiled anew in every process
+        compiled._cache = _Cache(function)
+    return compiled
+
 
 part: Decorator = numba.njit(**_ALL, **_INNER)
 """Decorator of what only kernels call: compiled into them, without the door that Python would need."""
