@@ -2,6 +2,7 @@
 
 from surftex.bake.bake import bake
 from surftex.materials.cells.model import Cells
+from surftex.materials.composite.model import Composite
 from surftex.materials.leather.model import Leather
 from surftex.surface.shapes import cylinder, sphere
 
@@ -29,3 +30,5 @@ def warm() -> None:
     grown = Cells.preset("oriented", cell_size=2.0, generations=30, wrinkle_count=2, attraction=0.1)
     bake(tube, grown, resolution=64, unwrapper="uvunwrap")
     grown.tile(24.0).page(16)
+    learnt = Composite.preset("gravel", pixel_size=1.5, sweeps=2)
+    bake(ball, learnt, resolution=64, unwrapper="uvunwrap")
