@@ -11,7 +11,58 @@ import numpy as np
 
 from surftex.kernels.buckets import bucket_of
 from surftex.kernels.evaluate import distance_to, leaving_direction, place_on_curve
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
+
+
+@part
+def nearest_few(
+    x, y, bucket, bound, start, entry_row, entry_least, row, row_id, source_of, limit, source, distance, found
+):
+    """Find the k nearest sources of the place (x, y) below `bound` -> source (k,), distance (k,) and found (k,), the row."""
+    k = len(source)
+    for q in range(k):
+        source[q], distance[q], found[q] = -1, math.inf, -1
+    worst = bound
+    for e in range(start[bucket], start[bucket + 1]):
+        if entry_least[e] >= worst:
+            break
+        r = entry_row[e]
+        kind = row_id[r, 2]
+        if kind <= 1:
+            dx, dy, left = x - row[r, 0], y - row[r, 1], worst - row[r, 6]
+            if left <= 0.0 or dx * dx + dy * dy > left * left * (1.0 + 1e-12):
+                continue
+        d = distance_to(kind, row, r, x, y)
+        if d >= worst or d > limit[row_id[r, 1]]:
+            continue
+        who = source_of[row_id[r, 1]]
+        at = k - 1
+        for q in range(k):
+            if source[q] == who:
+                at = q
+                break
+        if d >= distance[at]:
+            continue
+        while at > 0 and distance[at - 1] > d:
+            distance[at] = distance[at - 1]
+            source[at] = source[at - 1]
+            found[at] = found[at - 1]
+            at -= 1
+        distance[at] = d
+        source[at] = who
+        found[at] = r
+        worst = min(bound, distance[k - 1])
+
+
+@part
+def room_left(row_id, limit, distance, found):
+    """How far the place may move without leaving the radius of what `nearest_few` found; 0 where it found fewer than k."""
+    room = math.inf
+    if found[len(found) - 1] < 0:
+        return 0.0
+    for q in range(len(found)):
+        room = min(room, limit[row_id[found[q], 1]] - distance[q])
+    return room
 
 
 @kernel
@@ -21,7 +72,7 @@ def nearest_sources(
 ):  # fmt: skip
     """Find the k nearest sources of samples [begin, end).
 
-    source (n, k) int32 is given as -1, distance (n, k) as inf, and found (n, k) int32, the row, as -1.
+    -> source (n, k) int32, -1 for none, distance (n, k), inf for none, and found (n, k) int32, the row, -1 for none.
 
     The k-th distance grows by no more than a step does, so a sample in the bucket of the one before begins with a
     bound, unless the step may leave the radius of what was found.
@@ -38,41 +89,12 @@ def nearest_sources(
             step = math.sqrt((x - last_x) ** 2 + (y - last_y) ** 2)
             if step < room:
                 bound = (last_worst + step) * (1.0 + 1e-9)
-        worst = bound
-        for e in range(start[bucket], start[bucket + 1]):
-            if entry_least[e] >= worst:
-                break
-            r = entry_row[e]
-            kind = row_id[r, 2]
-            if kind <= 1:
-                dx, dy = x - row[r, 0], y - row[r, 1]
-                if math.sqrt(dx * dx + dy * dy) + row[r, 6] >= worst:
-                    continue
-            d = distance_to(kind, row, r, x, y)
-            if d >= worst or d > limit[row_id[r, 1]]:
-                continue
-            who = source_of[row_id[r, 1]]
-            at = k - 1
-            for q in range(k):
-                if source[i, q] == who:
-                    at = q
-                    break
-            if d >= distance[i, at]:
-                continue
-            while at > 0 and distance[i, at - 1] > d:
-                distance[i, at] = distance[i, at - 1]
-                source[i, at] = source[i, at - 1]
-                found[i, at] = found[i, at - 1]
-                at -= 1
-            distance[i, at] = d
-            source[i, at] = who
-            found[i, at] = r
-            worst = min(bound, distance[i, k - 1])
-        last_bucket, last_x, last_y, last_worst, room = bucket, x, y, distance[i, k - 1], 0.0
-        if found[i, k - 1] >= 0:
-            room = math.inf
-            for q in range(k):
-                room = min(room, limit[row_id[found[i, q], 1]] - distance[i, q])
+        nearest_few(
+            x, y, bucket, bound, start, entry_row, entry_least, row, row_id, source_of, limit, source[i],
+            distance[i], found[i],
+        )  # fmt: skip
+        last_bucket, last_x, last_y, last_worst = bucket, x, y, distance[i, k - 1]
+        room = room_left(row_id, limit, distance[i], found[i])
 
 
 @kernel

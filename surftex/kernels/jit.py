@@ -22,7 +22,12 @@ Result = TypeVar("Result")
 Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
 
 _ALL: dict[str, Any] = {"error_model": "numpy", "nogil": True}
-_INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
+_INNER: dict[str, Any] = {
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "forceinline": True,
+    "_nrt": False,  # arrays are lent to parts: counting references to them took two thirds of a flood
+}
 
 
 class _Cache(FunctionCache):
@@ -68,4 +73,7 @@ def kernel(function: Callable[..., Result]) -> Callable[..., Result]:
 
 
 part: Decorator = numba.njit(**_ALL, **_INNER)
-"""Decorator of what only kernels call: compiled into them, without the door that Python would need."""
+"""Decorator of what only kernels call: compiled into them, without the door that Python would need.
+
+A part makes no arrays, and returns none.
+"""

@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 
+from surftex.kernels.buckets import bucket_of
 from surftex.kernels.exponential import exponential
+from surftex.kernels.gather import nearest_few, room_left
 from surftex.kernels.jit import kernel, part
 from surftex.kernels.random import uniform
 
@@ -64,6 +66,75 @@ def furrow_number(site, square, count, key, blend_mm, near):
     return weighted / total
 
 
+@part
+def locate(
+    site, distance, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm, key, blend_mm,
+    away, near, last_here, last, last_mm,
+):  # fmt: skip
+    """Locate one sample among the regions of its nearest sites: see `plates`; site (k,), distance (k,).
+
+    Returns its own site, ratio, border_mm, own_mm, furrow and the site that `last` and `last_mm` are about.
+    """
+    best = math.inf
+    slot = -1
+    count = 0
+    furrow = 0.5
+    for k in range(len(site)):
+        candidate = site[k]
+        if candidate < 0:
+            break
+        count += 1
+        square = distance[k] * distance[k]
+        square += wave_a * shift[candidate, 0] + wave_b * shift[candidate, 1]
+        away[k] = square
+        if square < best:
+            best = square
+            slot = k
+    if slot < 0:
+        return -1, 0.0, math.inf, math.inf, furrow, last_here
+    if blend_mm > 0.0:
+        furrow = furrow_number(site, away, count, key, blend_mm, near)
+    here = np.int64(site[slot])
+    total = 0.0
+    nearest = math.inf
+    if here != last_here:
+        for k in range(len(last)):
+            last[k] = -1
+    for k in range(count):
+        if k == slot:
+            away[k] = math.inf
+            continue
+        candidate = site[k]
+        kept = candidate & (len(last) - 1)
+        if last[kept] != candidate:
+            last[kept] = candidate
+            last_mm[kept] = between_sites(start, other, length, place, here, candidate)
+        apart = last_mm[kept]
+        if apart <= 0.0:
+            away[k] = math.inf
+            continue
+        q = (best - away[k]) / (apart * apart) + 1.0
+        if polygon:
+            total = max(total, q)
+        elif q > 0.0:
+            total += (q * q * q) * (q * q * q)
+        away[k] = 0.5 * (1.0 - q) * apart
+        if away[k] < nearest:
+            nearest = away[k]
+    if nearest == math.inf:
+        return here, 0.0, math.inf, distance[slot], furrow, here
+    ratio = min(1.0, total if polygon else math.sqrt(np.cbrt(total)))
+    if rounding_mm > 0.0:
+        crowd = 0.0
+        per_rounding = 1.0 / rounding_mm
+        for k in range(count):
+            beyond = (nearest - away[k]) * per_rounding
+            if beyond > -16.0:
+                crowd += exponential(beyond)
+        nearest -= rounding_mm * math.log(crowd)
+    return here, ratio, max(0.0, nearest), distance[slot], furrow, here
+
+
 @kernel
 def plates(
     site, distance, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm,
@@ -85,71 +156,56 @@ def plates(
     With squared distances D to the own site i and to another j, and l between the sites, q = (D_i - D_j + l^2) / l^2
     is 1 on the bisector, and (1 - q) l / 2 is the distance to the bisector (exact in the plane).
     """
-    most = site.shape[1]
-    last_here = -1
-    per_rounding = 1.0 / rounding_mm if rounding_mm > 0.0 else 0.0
-    for sample in range(site.shape[0]):
-        own[sample] = -1
-        furrow[sample] = 0.5
-        ratio[sample] = 0.0
-        border_mm[sample] = math.inf
-        own_mm[sample] = math.inf
-        best = math.inf
-        slot = -1
-        count = 0
-        for k in range(most):
-            candidate = site[sample, k]
-            if candidate < 0:
-                break
-            count += 1
-            square = distance[sample, k] * distance[sample, k]
-            square += wave_a[sample] * shift[candidate, 0] + wave_b[sample] * shift[candidate, 1]
-            away[k] = square
-            if square < best:
-                best = square
-                slot = k
-        if slot < 0:
-            continue
-        if blend_mm > 0.0:
-            furrow[sample] = furrow_number(site[sample], away, count, key, blend_mm, near)
-        here = site[sample, slot]
-        own[sample] = here
-        own_mm[sample] = distance[sample, slot]
-        total = 0.0
-        nearest = math.inf
-        if here != last_here:
-            for k in range(len(last)):
-                last[k] = -1
-        for k in range(count):
-            if k == slot:
-                away[k] = math.inf
-                continue
-            candidate = site[sample, k]
-            kept = candidate & (len(last) - 1)
-            if last[kept] != candidate:
-                last[kept] = candidate
-                last_mm[kept] = between_sites(start, other, length, place, here, candidate)
-            apart = last_mm[kept]
-            if apart <= 0.0:
-                away[k] = math.inf
-                continue
-            q = (best - away[k]) / (apart * apart) + 1.0
-            if polygon:
-                total = max(total, q)
-            elif q > 0.0:
-                total += (q * q * q) * (q * q * q)
-            away[k] = 0.5 * (1.0 - q) * apart
-            if away[k] < nearest:
-                nearest = away[k]
-        last_here = here
-        if nearest == math.inf:
-            continue
-        ratio[sample] = min(1.0, total if polygon else math.sqrt(np.cbrt(total)))
-        if rounding_mm > 0.0:
-            crowd = 0.0
-            for k in range(count):
-                beyond = (nearest - away[k]) * per_rounding
-                if beyond > -16.0:
-                    crowd += exponential(beyond)
-            nearest -= rounding_mm * math.log(crowd)
-        border_mm[sample] = max(0.0, nearest)
+    here = np.int64(-1)
+    for i in range(site.shape[0]):
+        own[i], ratio[i], border_mm[i], own_mm[i], furrow[i], here = locate(
+            site[i], distance[i], start, other, length, place, shift, wave_a[i], wave_b[i], polygon, rounding_mm,
+            key, blend_mm, away, near, here, last, last_mm,
+        )  # fmt: skip
+
+
+@kernel
+def nearest_plates(
+    face, barycentric, flat, first, cells, grid, entry_start, entry_row, entry_least, row, row_id, source_of, limit,
+    site, distance, found, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm, key, blend_mm,
+    away, near, last, last_mm, own, ratio, border_mm, own_mm, furrow,
+):  # fmt: skip
+    """Find the nearest sites of samples as `nearest_sources` does, and locate them as `plates` does, in one pass.
+
+    site (k,) int32, distance (k,) float64, found (k,) int32: scratch.
+    """
+    k = len(site)
+    here = np.int64(-1)
+    last_bucket, last_x, last_y, last_worst, room = np.int64(-1), 0.0, 0.0, math.inf, 0.0
+    for i in range(len(face)):
+        f = face[i]
+        x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
+        y = barycentric[i, 2] * flat[f, 2, 1]
+        bucket = bucket_of(f, x, y, first, cells, grid)
+        bound = math.inf
+        if bucket == last_bucket:
+            step = math.sqrt((x - last_x) ** 2 + (y - last_y) ** 2)
+            if step < room:
+                bound = (last_worst + step) * (1.0 + 1e-9)
+        nearest_few(
+            x,
+            y,
+            bucket,
+            bound,
+            entry_start,
+            entry_row,
+            entry_least,
+            row,
+            row_id,
+            source_of,
+            limit,
+            site,
+            distance,
+            found,
+        )
+        last_bucket, last_x, last_y, last_worst = bucket, x, y, distance[k - 1]
+        room = room_left(row_id, limit, distance, found)
+        own[i], ratio[i], border_mm[i], own_mm[i], furrow[i], here = locate(
+            site, distance, start, other, length, place, shift, wave_a[i], wave_b[i], polygon, rounding_mm,
+            key, blend_mm, away, near, here, last, last_mm,
+        )  # fmt: skip

@@ -1,14 +1,20 @@
 """The plates of a leather: the kernel against the formulas, and the formulas against the plane."""
 
+from typing import Any
+
+import numba
 import numpy as np
 import pytest
 from scipy.spatial import Voronoi, cKDTree
 
 from surftex.arrays import frozen
+from surftex.features.uniform import area_points
 from surftex.kernels.exponential import exponential
 from surftex.kernels.jit import kernel
 from surftex.kernels.plates import plates
+from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
+from surftex.surface.shapes import sphere
 from tests.oracles.leather import plate
 
 SITES = 140
@@ -65,6 +71,28 @@ def test_kernel_reads_as_the_formulas(exponent, rounding, wave, blend):
         assert np.allclose(found[4], wanted[4], atol=2e-6)
     else:
         assert (found[4] == 0.5).all()
+
+
+def test_one_pass_finds_and_locates_as_two_do():
+    ball = sphere(10.0, subdivisions=3)
+    leather = Leather.preset("calf", cell_size=2.0, waviness=0.1, wrinkle_density=0.0)
+    cells = leather.place(ball, 1).cells
+    points = area_points(ball, stream(1, "samples").uniform(3000, 3))
+    wave = [frozen(stream(2, name).uniform(3000)[:, 0].astype(np.float32) - 0.5) for name in "ab"]
+    one = cells.at(leather, points, (wave[0], wave[1]))
+    two = cells.at(leather.model_copy(update={"scale_overlap": 0.1}), points, (wave[0], wave[1]))
+    for name in ("own", "ratio", "border_mm", "own_mm", "furrow"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+    assert one.own.min() >= 0
+
+
+def test_what_kernels_call_counts_no_references_to_arrays():
+    run(plane_sites(2), np.full((2, 2), 5.0))
+    known: Any = plates
+    anew = numba.njit(error_model="numpy", nogil=True)(known.py_func)  # cached code cannot be looked at
+    anew.compile(known.signatures[0])
+    (code,) = anew.inspect_llvm().values()
+    assert "call void @NRT_incref" not in code
 
 
 def test_border_distance_is_that_to_the_voronoi_edges():

@@ -10,7 +10,7 @@ from surftex.arrays import frozen
 from surftex.features.poisson import Sites
 from surftex.geodesics.bounds import nearest_bound
 from surftex.geodesics.records import Records
-from surftex.geodesics.windows import Buckets, flood_points, nearest, within
+from surftex.geodesics.windows import Buckets, flood_points, nearest, where, within
 from surftex.kernels.pool import Tick
 from surftex.materials.leather.model import Leather
 from surftex.randomness import Stream
@@ -155,32 +155,43 @@ class Cells:
         plates : Plates
             Of the n samples.
         """
-        from surftex.kernels.plates import plates
+        from surftex.kernels.plates import nearest_plates, plates
 
-        n = len(points)
-        vectors = self.shape != "round" or leather.scale_overlap > 0
-        most = self.neighbours
-        site, distance, *rest = nearest(self.records, points, most, vectors=vectors, threads=1)
-        if self.shape != "round":
-            index = np.maximum(site, 0)
-            length = _length(self.shape, rest[0].reshape(-1, 2), index.ravel(), self.stretch, self.angle_rad)
-            distance = np.where(site >= 0, length.reshape(site.shape), np.inf)
+        n, most = len(points), self.neighbours
         own, ratio, border = np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32)
         own_mm, furrow = np.zeros(n, np.float32), np.zeros(n, np.float32)
         size = float(np.median(self.size_mm)) if len(self.size_mm) else 1.0
-        plates(
-            site, distance, self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
+        located = (
+            self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
             int(leather.crista_shape == "polygon"),
             leather.rounding * size, np.uint64(self.key), 0.15 * size * (leather.sulcus_variation > 0),
             np.zeros(most), np.zeros(most), np.zeros(_KEPT, np.int32), np.zeros(_KEPT),
             own, ratio, border, own_mm, furrow,
         )  # fmt: skip
+        if self.shape == "round" and leather.scale_overlap == 0:
+            points.check_on(self.records.surface)
+            records = self.records
+            scratch = np.zeros(most, np.int32), np.zeros(most), np.zeros(most, np.int32)
+            nearest_plates(
+                *where(records, points), records.row, records.row_id, records.source_of, records.limit_mm,
+                *scratch, *located,
+            )  # fmt: skip
+            site, vectors = np.zeros((0, most), np.int32), np.zeros((0, most, 2))
+        else:
+            site, distance, vectors = nearest(self.records, points, most, vectors=True, threads=1)
+            if self.shape != "round":
+                index = np.maximum(site, 0)
+                length = _length(
+                    self.shape, vectors.reshape(-1, 2), index.ravel(), self.stretch, self.angle_rad
+                )
+                distance = np.where(site >= 0, length.reshape(site.shape), np.inf)
+            plates(site, distance, *located)
         if leather.crista_shape == "inscribed":
             ratio = np.minimum(own_mm / self.inscribed_mm[np.maximum(own, 0)], 1).astype(np.float32)
         along = np.zeros(n, np.float32)
         if leather.scale_overlap > 0:
             slot = np.argmax(site == own[:, None], axis=1)
-            vector, cell = rest[0][np.arange(n), slot], np.maximum(own, 0)
+            vector, cell = vectors[np.arange(n), slot], np.maximum(own, 0)
             turned = vector[:, 0] * np.cos(self.angle_rad[cell]) + vector[:, 1] * np.sin(self.angle_rad[cell])
             along = np.clip(turned / (0.6 * self.size_mm[cell]), -1, 1).astype(np.float32)
         return Plates(own, ratio, border, own_mm, furrow, along)
