@@ -4,6 +4,7 @@ Materials and recipe tables come from the models, commands from the parser, the 
 A test compares the pages with what this writes, so that they cannot fall behind.
 """
 
+import importlib
 import inspect
 import sys
 from pathlib import Path
@@ -136,6 +137,8 @@ def python():
     rows = ["# Python", "", MADE, "Arrays are numpy, lengths millimetres, colours linear sRGB.", ""]
     for name in sx.__all__:
         thing = getattr(sx, name)
+        if callable(thing) and inspect.ismodule(thing):  # a room that is called like the function in it
+            thing = getattr(importlib.import_module(f"surftex.{name}.{name}"), name)
         if inspect.ismodule(thing):
             rows += [f"## sx.{name}", "", (inspect.getdoc(thing) or "").splitlines()[0], ""]
             for part in getattr(thing, "__all__", []):

@@ -20,7 +20,7 @@ _CELLS = 4000
 """About how many cells a first look has."""
 
 _SHARE = 0.15
-"""Of the surface, for materials without cells."""
+"""Of the surface, for learnt textures; materials with neither cells nor pixels are placed as a whole as soon."""
 
 _RIM = 2.0
 """Width of the rim that is not shown, in cells: they lack neighbours."""
@@ -125,6 +125,8 @@ def piece_around(recipe: Recipe, surface: Surface, place_mm: NDArray[np.float64]
         for layer in recipe.layer
         if isinstance(size := getattr(layer.material, "cell_size", None), (int, float))
     ]
+    if not sizes and not any(hasattr(layer.material, "pixel_size") for layer in recipe.layer):
+        return None
     area = _CELLS * min(sizes) ** 2 / 0.7 if sizes else _SHARE * surface.area_mm2
     if 2 * area > surface.area_mm2:
         return None

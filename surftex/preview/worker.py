@@ -103,7 +103,7 @@ class Worker:
 
     def _draw(self, recipe: Recipe, place: NDArray[np.float64], stop: threading.Event) -> None:
         self.share = 0.0
-        if self.live.effort(recipe) in ("gathered", "placed"):
+        if self.live.effort(recipe) == "placed":
             first = self.live.first_look(recipe, place, stop=stop)
             if first is not None:
                 self._shown(first)

@@ -13,6 +13,7 @@ from surftex.preview import focus
 from surftex.preview.controls import controls
 from surftex.preview.live import Live
 from surftex.preview.session import Session
+from surftex.preview.worker import Worker
 from surftex.recipe.read import load_recipe, recipe_for, recipe_from_text
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import plane, sphere
@@ -235,6 +236,35 @@ def test_controls_hold_what_a_material_is_set_to(name):
     if name == "calf":
         assert units["cell_size"] == units["sulcus_depth"] == "mm"
         assert units["variation"] == ""
+
+
+def test_the_worker_draws_what_was_asked_for_last(session, ball):
+    live = Live(ball, session.recipe, resolution=64)
+    frames, troubles, started = [], [], threading.Event()
+    draw = live.draw
+
+    def slow(recipe, *, stop, tick):
+        started.set()
+        if recipe.seed == 1:
+            assert stop.wait(60)  # until somebody asks for something else
+        return draw(recipe, stop=stop, tick=tick)
+
+    live.draw = slow
+    worker = Worker(live, frames.append, troubles.append)
+    for seed in (1, 2):
+        session.seed(seed)
+        worker.ask(session.recipe, np.zeros(3))
+        assert started.wait(60)
+    assert worker.wait(120)
+    assert len(frames) == 1
+    whole = Live(ball, session.recipe, resolution=64)
+    whole.draw(session.recipe)
+    np.testing.assert_array_equal(live.height_mm, whole.height_mm)
+    worker.ask(recipe_from_text(TWO.replace("cell_size = 2.0", "cell_size = 1e-4")), np.zeros(3))
+    assert worker.wait(120)
+    assert len(troubles) == 1
+    assert "features" in troubles[0]
+    worker.close()
 
 
 def test_moles_lie_where_they_were_picked(tmp_path):
