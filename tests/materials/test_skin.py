@@ -134,3 +134,14 @@ def test_every_kind_has_its_parameters():
     for kind in KINDS:
         assert {f"{kind}_{key}" for key in ("count", "density", "where")} <= set(Skin.model_fields)
     assert all(change.channel in STATE for kind in KINDS.values() for change in kind.changes(Skin()))
+
+
+def test_a_mask_smaller_than_a_face_keeps_its_features_and_their_mean():
+    sheet = plane(20.0, cells=1)
+    dot = "x > 4 and x < 5 and y > 4 and y < 4.5"
+    skin = Skin(**CALM, freckle_count=12, freckle_where=dot)
+    pattern = skin.place(sheet, 4)
+    kind = pattern.points[0]
+    assert kind.per_mm2 == pytest.approx(12 / 0.5, rel=0.1)
+    for footprint in (0.01, 1.0, 30.0):
+        assert np.isfinite(pattern.at(samples_on(sheet, 400, footprint))["melanin"]).all()

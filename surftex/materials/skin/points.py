@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import frozen, read_only_view
-from surftex.fields.sources import Field
+from surftex.features.uniform import area_points
+from surftex.fields.sources import Field, span_of
 from surftex.fields.splines import disc_moments
 from surftex.geodesics.reaching import Reaching
 from surftex.geodesics.windows import buckets_for, flood_points
 from surftex.materials.skin.kinds import KINDS, STATE, Change
 from surftex.materials.skin.model import Skin
-from surftex.randomness import Stream
+from surftex.randomness import Stream, stream
 from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -20,6 +21,9 @@ _RULES = {"add": 1, "lessen": 2, "cover": 3}
 _WAVES = np.array([0.22, 0.22, 0.15, 0.15, 0.08, 0.08])
 _WAVE_REACH = float(np.hypot(*_WAVES.reshape(3, 2).T).sum())
 _VARIANCE = 1 / 12
+_PLACES = 65536
+"""Where a likelihood is looked at for its mean."""
+
 _SPACINGS, _RADII = 0.35, 3.0
 """Single features fade from footprints of this share of their mean spacing on, or of this many radii."""
 
@@ -125,9 +129,9 @@ class PointKind:
         moments = [disc_moments(change.table) for change in changes]
         spread = _VARIANCE / max(np.mean([variance for _, variance in moments]), 1e-3)
         power = skin.freckle_gather if name == "freckle" else 1.0
+        likely = _mean_likelihood(surface, where, power, stream(random.key, "likelihood"))
         where = None if where is None else _powered(where, power)
-        likely = _mean_likelihood(surface, where)
-        per_mm2 = count / max(surface.area_mm2 * likely, 1e-300)
+        per_mm2 = count / (surface.area_mm2 * likely)
         finest = min(_SPACINGS / np.sqrt(per_mm2), _RADII * float(radius.mean()))
         reach = np.sqrt((radius * np.sqrt(lean) * (1 + _WAVE_REACH * uneven)) ** 2 + spread * finest**2)
         points = SurfacePoints.trusted(
@@ -193,10 +197,17 @@ def _powered(where: Field, power: float) -> Field:
     return lambda points, footprint_mm=0.0: np.maximum(where(points, footprint_mm), 0.0) ** power
 
 
-def _mean_likelihood(surface: Surface, where: Field | None) -> float:
-    """Mean of a likelihood over the surface, from the middles of all faces."""
+def _mean_likelihood(surface: Surface, where: Field | None, power: float, random: Stream) -> float:
+    """Mean of the power of a likelihood over the surface, above 0; from places spread by what the spans allow."""
     if where is None:
         return 1.0
-    count = len(surface.faces)
-    middle = SurfacePoints.trusted(np.arange(count, dtype=np.int32), np.full((count, 3), 1 / 3))
-    return float(np.average(where(middle), weights=surface.face_area_mm2))
+    high = span_of(where, surface)[1]
+    top = np.maximum(np.where(np.isfinite(high), high, 1.0), 0.0) ** power
+    bound = float((surface.face_area_mm2 * top).sum())
+    if bound == 0:
+        return 1.0
+    numbers = random.uniform(_PLACES, 3)
+    numbers[:, 0] = (np.arange(_PLACES) + numbers[:, 0]) / _PLACES
+    places = area_points(surface, numbers, top)
+    share = np.maximum(where(places), 0.0) ** power / top[places.face]
+    return bound / surface.area_mm2 * max(float(share.mean()), 1 / _PLACES)
