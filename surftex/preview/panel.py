@@ -208,6 +208,7 @@ _NAMED = (
     "drift",
     "follicle_direction",
     "wrinkle_direction",
+    "wrinkle_vectors",
     "relief_direction",
     "wrinkle_curves",
 )

@@ -6,6 +6,7 @@ import pytest
 from surftex.bake.bake import bake
 from surftex.errors import RecipeError
 from surftex.fields.fieldset import FieldSet
+from surftex.fields.vectors import VectorField
 from surftex.materials.layers import RAW
 from surftex.materials.skin.kinds import KINDS, STATE
 from surftex.materials.skin.model import Skin
@@ -145,3 +146,16 @@ def test_a_mask_smaller_than_a_face_keeps_its_features_and_their_mean():
     assert kind.per_mm2 == pytest.approx(12 / 0.5, rel=0.1)
     for footprint in (0.01, 1.0, 30.0):
         assert np.isfinite(pattern.at(samples_on(sheet, 400, footprint))["melanin"]).all()
+
+
+def test_wrinkles_are_as_long_as_their_vectors_and_none_grows_where_these_are_zero():
+    sheet = plane(40.0)
+    pull = np.where(sheet.vertices[:, :1] > 20, [[0.0, 6.0, 0.0]], [[0.0, 0.0, 0.0]])
+    sheet = sheet.with_attributes({"pull": pull})
+    fields = FieldSet(sheet, directions={"pull": lambda: VectorField.from_attribute(sheet, "pull")})
+    skin = Skin(**CALM, wrinkle_count=60, wrinkle_vectors="pull", wrinkle_where="x < 38 and abs(y - 20) < 12")
+    rows = skin.place(sheet, 2, fields=fields).features["wrinkle"]
+    x = SurfacePoints(rows["face"], rows["barycentric"]).positions(sheet)[:, 0]
+    assert x.min() > 20  # the vectors grow from there to the next vertices, at 22.5
+    assert rows["length_mm"][x > 22.6] == pytest.approx(6.0, rel=1e-3)
+    assert 15 < len(np.unique(rows["curve"])) < 45

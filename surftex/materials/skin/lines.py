@@ -10,6 +10,7 @@ from surftex.features.growth import grow
 from surftex.features.uniform import scatter
 from surftex.fields.noise import Noise
 from surftex.fields.sources import Field
+from surftex.fields.vectors import VectorField
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
 from surftex.materials.skin.model import Skin
@@ -89,11 +90,11 @@ def wrinkles(
     skin: Skin,
     surface: Surface,
     where: Field | None,
-    along: Callable[[], DirectionField],
+    along: Callable[[], DirectionField | VectorField],
     random: Stream,
     threads: int | None,
 ) -> NDArray:
-    """Grow wrinkles along a direction field.
+    """Grow wrinkles along a direction field, or along vectors as long as these are.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def wrinkles(
     where : Field, optional
         How likely they start at points.
     along : callable
-        Gives the direction field, when there are any.
+        Gives the field, when there are any; where a vector is 0 no wrinkle starts.
     random : Stream
         Of the wrinkles.
     threads : int, optional
@@ -119,22 +120,20 @@ def wrinkles(
     count = len(points)
     if not count:
         return np.zeros(0, LINE)
-    field, (least, most) = along(), skin.wrinkle_length
-    noise = Noise(stream(random.key, "length"), max(2 * most, 1e-3))
-
-    def vectors(points: SurfacePoints) -> NDArray[np.float64]:
-        share = np.clip(0.5 + 0.8 * noise.at(points.positions(surface)).astype(np.float64), 0, 1)
-        angle = field.at(points)
-        return (least + (most - least) * share)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
+    field = along()
+    vectors = field if isinstance(field, VectorField) else _of_length(skin, field, random)
     numbers = stream(random.key, "size").uniform(count, 3)
     width, depth = (
         low + (high - low) * numbers[:, i]
         for i, (low, high) in enumerate((skin.wrinkle_width, skin.wrinkle_depth))
     )
     side = np.where(numbers[:, 2] < 0.5, 1.0, -1.0)
-    pieces = grow(surface, points, vectors, threads=threads)
-    return curve_table(surface, pieces, width_mm=width, depth_mm=depth, side=side)
+    starts = np.hypot(*vectors.at(points).T) > 0
+    points = SurfacePoints.trusted(points.face[starts], points.barycentric[starts])
+    if not len(points):
+        return np.zeros(0, LINE)
+    pieces = grow(surface, points, vectors.at, threads=threads)
+    return curve_table(surface, pieces, width_mm=width[starts], depth_mm=depth[starts], side=side[starts])
 
 
 def drawn_lines(table: NDArray, random: Stream) -> NDArray:
@@ -157,6 +156,18 @@ def drawn_lines(table: NDArray, random: Stream) -> NDArray:
         lines[name] = table[name]
     lines["side"] = np.where(random.uniform(_curves(table))[:, 0] < 0.5, 1.0, -1.0)[table["curve"]]
     return lines
+
+
+def _of_length(skin: Skin, field: DirectionField, random: Stream) -> VectorField:
+    """Vectors along a direction, of lengths that vary from place to place."""
+    least, most = skin.wrinkle_length
+    noise = Noise(stream(random.key, "length"), max(2 * most, 1e-3))
+
+    def length_mm(points: SurfacePoints) -> NDArray[np.float64]:
+        share = 0.5 + 0.8 * noise.at(points.positions(field.surface)).astype(np.float64)
+        return least + (most - least) * np.clip(share, 0, 1)
+
+    return VectorField.along(field, length_mm)
 
 
 def _starts(

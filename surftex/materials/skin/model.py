@@ -190,6 +190,11 @@ class Skin(BaseModel):
     wrinkle_direction: str | None = _field(
         None, "wrinkle", "Direction field that they grow along; smoothest without it."
     )
+    wrinkle_vectors: str | None = _field(
+        None,
+        "wrinkle",
+        "Field of vectors that says where to and how long they grow, before direction and length; none grows where it is 0.",
+    )
     wrinkle_length: LengthRange = _field((8.0, 22.0), "wrinkle", "Length of a wrinkle.")
     wrinkle_width: LengthRange = _field(
         (0.3, 0.8), "wrinkle", "From its middle to its rim, where it is widest."

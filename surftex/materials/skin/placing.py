@@ -9,6 +9,7 @@ from surftex.errors import InputError, RecipeError
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.sources import Field
+from surftex.fields.vectors import VectorField
 from surftex.geodesics.directions import DirectionField
 from surftex.kernels.pool import Tick
 from surftex.materials.skin.kinds import KINDS, setting
@@ -72,7 +73,7 @@ def place(
     where = likelihood(skin, fields, "vessel")
     features["vessel"] = vessels(skin, surface, where, stream(seed, "skin", "vessel"), threads)
     where = likelihood(skin, fields, "wrinkle")
-    along = _direction(fields, skin.wrinkle_direction)
+    along = _wrinkle_field(skin, fields)
     features["wrinkle"] = wrinkles(skin, surface, where, along, stream(seed, "skin", "wrinkle"), threads)
     if skin.wrinkle_curves is not None:
         drawn = drawn_lines(fields.curves(skin.wrinkle_curves), stream(seed, "skin", "drawn wrinkles"))
@@ -158,9 +159,11 @@ def tension(skin: Skin, surface: Surface, fields: FieldSet) -> DirectionField:
     return DirectionField.from_curvature(surface, "min")
 
 
-def _direction(fields: FieldSet, name: str | None) -> Callable[[], DirectionField]:
-    if name is not None:
-        return lambda: fields.direction(name)
+def _wrinkle_field(skin: Skin, fields: FieldSet) -> Callable[[], DirectionField | VectorField]:
+    if (vectors := skin.wrinkle_vectors) is not None:
+        return lambda: fields.vectors(vectors)
+    if (direction := skin.wrinkle_direction) is not None:
+        return lambda: fields.direction(direction)
     return lambda: DirectionField.smoothest(fields.surface)
 
 
