@@ -5,7 +5,9 @@ or OSMesa where there is no display.
 """
 
 import os
+import subprocess
 import sys
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,16 @@ from surftex.surface.points import SurfacePoints
 
 BEHIND = ((0.80, 0.79, 0.775), (0.94, 0.93, 0.92))
 """Colours of the background, below and above."""
+
+_PROBE = """
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
+window = vtkRenderWindow()
+window.SetOffScreenRendering(True)
+window.SetSize(8, 8)
+window.Render()
+raise SystemExit(0 if window.SupportsOpenGL() else 1)
+"""
 
 _FILLED = 0.9
 """Share of the view that the whole fills at first."""
@@ -338,7 +350,7 @@ def check_display(*, off_screen: bool) -> None:
     Raises
     ------
     WorkError
-        If there is no display, or OpenGL cannot be loaded.
+        If there is no display, or no OpenGL.
     """
     displayed = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
     if sys.platform.startswith("linux") and not displayed:
@@ -348,10 +360,21 @@ def check_display(*, off_screen: bool) -> None:
                 "surftex render draws stills"
             )
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    if not _draws():
+        raise WorkError(
+            "OpenGL 3.2 is missing here: install a driver, or Mesa (Debian: libegl1 and libgl1-mesa-dri); surftex "
+            "render draws stills without it"
+        )
+
+
+@cache
+def _draws() -> bool:
+    """Try in a child whether anything can be drawn: where libraries are missing, VTK may end the process."""
     try:
-        import pyvista  # noqa: F401
-    except ImportError as problem:
-        raise WorkError(f"the preview needs OpenGL, which cannot be loaded here: {problem}") from None
+        done = subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, timeout=120, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return done.returncode == 0
 
 
 def _plotter(size: tuple[int, int], *, off_screen: bool) -> Any:
@@ -362,9 +385,6 @@ def _plotter(size: tuple[int, int], *, off_screen: bool) -> Any:
     plotter: Any = pyvista.Plotter(
         off_screen=off_screen, window_size=list(size), lighting="none", title="surftex"
     )
-    if not plotter.render_window.SupportsOpenGL():
-        plotter.close()
-        raise WorkError("OpenGL 3.2 is missing here; surftex render draws stills without it")
     if not off_screen:
         plotter.enable_anti_aliasing("fxaa")
     return plotter

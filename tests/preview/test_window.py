@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from surftex.errors import InputError, WorkError
+from surftex.preview import scene
 from surftex.preview.desk import Desk
 from surftex.preview.environment import environment
 from surftex.preview.overlays import distinct, seam_lines
@@ -222,3 +223,13 @@ def test_without_a_display_it_says_so_in_one_line(meshes):
     assert done.returncode == 3
     assert done.stderr.count("\n") == 1
     assert "no display" in done.stderr
+
+
+def test_without_opengl_it_says_so_instead_of_dying(monkeypatch, desk):
+    scene._draws.cache_clear()
+    monkeypatch.setattr(scene, "_PROBE", "import os; os.abort()")
+    try:
+        with pytest.raises(WorkError, match="OpenGL"):
+            scene.Scene(desk)
+    finally:
+        scene._draws.cache_clear()
