@@ -8,12 +8,14 @@ the way shorter, so that it ends at a way that is shortest among all near it.
 
 import math
 
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
 
 ROOM, NOWHERE = -1, -2
 """The strip is longer than its arrays; no strip leads there."""
 
 _STRAIGHT = 1e-9
+_HAIR = 1e-11
+"""Least weight of a corner at either end of a way."""
 
 
 @kernel
@@ -258,6 +260,20 @@ def way_length(bend, bends):
     return total
 
 
+@part
+def _inside(flat, face, x, y):
+    """Move a place on the rim of a face a hair inside: from a corner, a funnel cannot tell left from right."""
+    far = max(y / flat[face, 2, 1], _HAIR)
+    onward = max((x - y / flat[face, 2, 1] * flat[face, 2, 0]) / flat[face, 1, 0], _HAIR)
+    near = max(
+        1.0 - (x - y / flat[face, 2, 1] * flat[face, 2, 0]) / flat[face, 1, 0] - y / flat[face, 2, 1], _HAIR
+    )
+    if far > _HAIR and onward > _HAIR and near > _HAIR:
+        return x, y
+    total = near + onward + far
+    return (onward * flat[face, 1, 0] + far * flat[face, 2, 0]) / total, far * flat[face, 2, 1] / total
+
+
 @kernel
 def shortest_way(
     flat, transport, faces, neighbor, neighbor_edge, vertex_angle, on_border, middle,
@@ -271,6 +287,8 @@ def shortest_way(
     """
     if begin == end:
         return 0
+    sx, sy = _inside(flat, begin, sx, sy)
+    ex, ey = _inside(flat, end, ex, ey)
     count = find_strip(
         middle, neighbor, neighbor_edge, begin, end, round_, cost, seen, came, heap_key, heap_face, strip
     )

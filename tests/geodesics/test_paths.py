@@ -65,6 +65,27 @@ def test_on_a_plane_paths_are_straight():
     assert_joined(sheet, pieces, start, end)
 
 
+@pytest.mark.parametrize("kind", ["edge", "vertex"])
+def test_paths_between_places_on_edges_and_vertices_are_straight(kind):
+    """A funnel that starts at a corner must not take its one side for the other."""
+    sheet = plane(8.0, cells=8)
+    ends = []
+    for seed in (1, 2):
+        points, rows = scattered(sheet, 1500, seed), np.arange(1500)
+        corner = np.random.default_rng(seed).integers(0, 3, 1500)
+        weight = points.barycentric.copy()
+        weight[rows, corner] = 0
+        ends.append(
+            SurfacePoints(
+                points.face, np.eye(3)[corner] if kind == "vertex" else weight / weight.sum(1)[:, None]
+            )
+        )
+    _, length = shortest_path(sheet, *ends)
+    straight = np.linalg.norm(ends[0].positions(sheet) - ends[1].positions(sheet), axis=1)
+    ratio = length[straight > 0.3] / straight[straight > 0.3]
+    assert ratio.max() < 1 + 1e-9
+
+
 def test_on_a_cylinder_paths_unroll():
     tube = cylinder(20.0, 60.0, columns=40, rows=20)
     side = 2 * 20 * np.sin(np.pi / 40)
