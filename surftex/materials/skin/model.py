@@ -79,7 +79,7 @@ class Skin(BaseModel):
     lips_where: Mask = _field(0.0, "lips", "Mask of the lips.")
     lips_blood: Share = _field(0.06, "lips", "Blood of the lips.")
     lips_pheomelanin: Share = _field(0.25, "lips", "Pheomelanin of the lips.")
-    lips_epidermis: Length = _field(0.05, "lips", "Thickness of the epidermis of the lips.")
+    lips_epidermis: Length = _field(0.06, "lips", "Thickness of the epidermis of the lips.")
 
     cyst_count: Count = _count("cyst", "small bumps without pigment")
     cyst_density: Amount = _density("cyst", "bumps")
@@ -204,7 +204,7 @@ class Skin(BaseModel):
     wrinkle_fade: float = _field(
         1.0, "wrinkle", "How its depth follows its width to its ends: 0 stays, 1 in proportion.", ge=0, le=4
     )
-    wrinkle_profile: Profile = _field("crease", "wrinkle", "Shape of a wrinkle, from its floor to its rim.")
+    wrinkle_profile: Profile = _field("valley", "wrinkle", "Shape of a wrinkle, from its floor to its rim.")
 
     relief_spacing: PositiveLength = _field(0.85, "relief", "Between primary furrows.")
     relief_depth: Length = _field(0.045, "relief", "Of primary furrows.")
