@@ -433,6 +433,11 @@ def _match(parser: Parser) -> None:
         "--step-nm", type=_number, metavar="NM", default=10.0, help="between wavelengths (default: 10)"
     )
     parser.add_argument(
+        "--fit-reflectance",
+        action="store_true",
+        help="match the reflectance too, as the thesis does; else it is that of the skin's index",
+    )
+    parser.add_argument(
         "--lock-surface", action="store_true", help="keep the surface's own gloss; match the colour alone"
     )
     parser.add_argument(

@@ -62,8 +62,12 @@ class Making:
         Chebyshev's nodes; else even steps.
     first_nm, last_nm, step_nm : float
         Wavelengths.
+    fit_reflectance : bool
+        Whether the reflectance at normal incidence is matched too, as in the thesis. It then makes up for what a
+        diffuse lobe cannot do, takes half of the light of dark skin, and leaves the range of principled shaders (0.08);
+        so it is usually that of the tissue's index, and colour and roughness are matched.
     lock_surface : bool
-        Whether shape and reflectance are those of the surface itself, and only the colour is matched.
+        Whether the roughness is the surface's own as well, and only the colour is matched.
     tissue : Tissue
         What stays fixed.
     bins : Bins
@@ -80,6 +84,7 @@ class Making:
     first_nm: float = 400.0
     last_nm: float = 700.0
     step_nm: float = 10.0
+    fit_reflectance: bool = False
     lock_surface: bool = False
     tissue: Tissue = field(default_factory=Tissue)
     bins: Bins = field(default_factory=Bins)
@@ -261,7 +266,9 @@ class _Maker:
         making = self.making
         shader, index, shape, level = shader_named(making.shader), making.tissue.index[0], None, None
         if making.lock_surface:
-            shape, level = shader.shape_of(making.tissue.fold), ((index - 1) / (index + 1)) ** 2
+            shape = shader.shape_of(making.tissue.fold)
+        if making.lock_surface or not making.fit_reflectance:
+            level = ((index - 1) / (index + 1)) ** 2
         found = match(shader, making.bins, brdf, shape=shape, reflectance=level)
         color = shader.color(found.diffuse, found.reflectance)
         return np.column_stack([color, found.reflectance, shader.roughness(found.shape)])

@@ -5,16 +5,19 @@ import pytest
 
 from surftex.errors import InputError
 from surftex.optics import fit_reflectance, lookup, skin_type, skin_types
+from surftex.optics.brdf import Bins, surface_lobe
 from surftex.optics.colour import TYPES, difference, lab, typology_angle
 from surftex.optics.fitting import FREE
 from surftex.optics.making import Making, make_table
-from surftex.optics.matching import match
+from surftex.optics.matching import bin_geometry, match
+from surftex.optics.nodes import straightened
 from surftex.optics.paths import volume_paths
 from surftex.optics.shaders import shader_named
 from surftex.optics.spectra import chromophore, rgb_weights
 from surftex.optics.subsurface import EDGES_MM, burley_within, fit_width, rings
 from surftex.optics.table import SkinTable, shipped_table
 from surftex.optics.tissue import PARAMETERS, Tissue, absorption
+from surftex.randomness import stream
 
 
 @pytest.mark.parametrize("name", ["dark", "tan", "very light"])
@@ -141,10 +144,45 @@ def test_white_is_white_and_absorbers_are_read_as_written():
 
 def test_gloss_is_matched_to_the_surface():
     """GGX finds the fold of the bare surface again: the physical index, and its width."""
-    from surftex.optics.brdf import Bins, surface_lobe
-
     bins = Bins()
     lobe = surface_lobe(Tissue(), bins, rays=400_000)
     found = match(shader_named("ggx-lambert"), bins, np.tile(lobe, (1, 3, 1)))
     assert found.shape[0] == pytest.approx(0.35, abs=0.03)
     assert found.reflectance[0] == pytest.approx(0.0465, abs=0.035)
+
+
+def test_a_look_up_is_what_walks_of_light_give():
+    """Five random biologies between the nodes, each walked for itself; errors in standard errors of that walk.
+
+    A look holds the light of surface and inside together, so both are compared as shares of even light.
+    """
+    bins, tissue, count = Bins(), Tissue(), 3000
+    nm = np.arange(400, 701, 10.0)
+    surface = bins.albedo(surface_lobe(tissue, bins, rays=500_000))
+    shader, wrong, score = shader_named("ggx-lambert"), [], []
+    for k, draw in enumerate(stream(31, "biology").uniform(5, 6)):
+        biology = {}
+        for share, (name, each) in zip(draw, PARAMETERS.items(), strict=True):
+            low, high = straightened(name, [each.low, each.high])
+            value = low + share * (high - low)
+            biology[name] = float(value if each.even else np.exp(value))
+        walked, square = np.full(3, surface), np.zeros(3)
+        for wave, weights in zip(nm, rgb_weights(nm), strict=True):
+            paths = volume_paths(
+                tissue, wave, count, stratum_corneum_cm=biology["stratum_corneum_cm"],
+                epidermis_cm=biology["epidermis_cm"], seed=50 + k,
+            )  # fmt: skip
+            light = paths.weight * np.exp(-paths.lengths @ absorption(tissue, [wave], biology)[:, 0])
+            walked += weights * light.mean()
+            square += weights**2 * light.var() / count
+        look = lookup(biology)
+        parts = [
+            bins.albedo(part.reshape(bins.count, -1).mean(1))
+            for part in shader.parts(float(look.roughness[0]) ** 2, bin_geometry(bins))
+        ]
+        seen = look.base_color[0] * parts[0] + parts[1] + 0.08 * look.specular[0] * parts[2]
+        score.append((seen - walked) / np.sqrt(square))
+        wrong.append(difference(lab(seen), lab(walked)))
+    print(np.round(score,2), np.round(wrong,2))
+    assert np.abs(score).max() < 4
+    assert np.mean(wrong) < 1.0
