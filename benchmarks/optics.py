@@ -101,7 +101,7 @@ def noise_ratio(biology, paths):
 
 def precalculation(paths):
     making = Making(
-        engine="biospec", nodes=THESIS, crowded=False, paths=paths, beam_paths=0, tissue=WHITE, fit_reflectance=True
+        engine="biospec", nodes=THESIS, crowded=False, paths=paths, beam_paths=0, tissue=WHITE, fit_reflectance=True, facing=0.0
     )  # fmt: skip
     with clock() as whole:
         table = make_table(making)

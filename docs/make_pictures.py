@@ -294,7 +294,7 @@ def skin_colours():
         ImageDraw.Draw(image).text((4, 5), text, fill="#222222", font=ImageFont.load_default(13))
         return np.asarray(image)
 
-    types, surface = skin_types().values(), 0.0465
+    types, surface = skin_types().values(), 0.0415
     measured = np.array([each.reflectance @ rgb_weights(each.nm) for each in types])
     rows = [np.stack([measured, np.array([lookup(each.biology).base_color[0] + surface for each in types])])]
     for change in ({}, {"blood": 3.0}, {"blood": 1 / 3}, {"oxygenation": 0.4}):

@@ -50,7 +50,7 @@ def main() -> None:
         fit = fit_reflectance(nm, measured, base_albedo=0.5)
         short = {each: float(f"{fit.biology[each]:.4g}") for each in FREE}
         text += ",".join([name, *(f"{value:g}" for value in short.values()), f"{fit.rmse:.4f}"]) + "\n"
-        seen = lookup(short).base_color[0] + 0.0465
+        seen = lookup(short).base_color[0] + 0.0415  # what the border, walked, reflects at 8 degrees
         color = measured @ rgb_weights(nm)
         print(
             f"{name:13} rmse {fit.rmse:.4f}  dE00 {difference(lab(color), lab(seen)):.2f}  "

@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 from surftex.errors import InputError
 from surftex.files import shelf
 from surftex.files.output import write_whole
-from surftex.files.reading import read_bytes
 from surftex.kernels.pool import Tick
 from surftex.optics.making import Making, make_table
-from surftex.optics.table import SkinTable
 
 
 class ShelvedPieces(MutableMapping[str, NDArray[np.float64]]):
@@ -119,27 +117,6 @@ def match_to_file(
         "cpu_s": round(time.process_time() - processor, 3),
         "settings": table.settings,
     }
-
-
-def load_table(path: str | Path) -> SkinTable:
-    """Read a table of skin that ``surftex match`` has made.
-
-    Parameters
-    ----------
-    path : path
-        Of the ``.npz``.
-
-    Returns
-    -------
-    table : SkinTable
-        For ``sx.optics.lookup(..., table=table)``.
-
-    Raises
-    ------
-    InputError
-        If it is none, or damaged.
-    """
-    return SkinTable.from_bytes(read_bytes(path, purpose="table of skin"), str(path))
 
 
 def _key(name: str) -> str:

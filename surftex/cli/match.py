@@ -35,7 +35,8 @@ def run(options: Namespace) -> None:
     making = Making(
         shader=options.shader, engine=options.engine, seed=options.seed, paths=options.paths,
         beam_paths=options.beam_paths, nodes=_nodes(options.nodes), step_nm=options.step_nm,
-        fit_reflectance=options.fit_reflectance, lock_surface=options.lock_surface, tissue=_tissue(options.changes),
+        fit_reflectance=options.fit_reflectance, facing=options.facing,
+        lock_surface=options.lock_surface, tissue=_tissue(options.changes),
     )  # fmt: skip
     path = options.out or f"skin-{making.shader}.npz"
     try:

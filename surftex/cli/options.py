@@ -438,6 +438,13 @@ def _match(parser: Parser) -> None:
         help="match the reflectance too, as the thesis does; else it is that of the skin's index",
     )
     parser.add_argument(
+        "--facing",
+        type=_number,
+        metavar="P",
+        default=4.0,
+        help="power of both cosines that weighs directions; 0 weighs all alike, as the thesis does (default: 4)",
+    )
+    parser.add_argument(
         "--lock-surface", action="store_true", help="keep the surface's own gloss; match the colour alone"
     )
     parser.add_argument(

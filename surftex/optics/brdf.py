@@ -76,6 +76,22 @@ class Bins:
         azimuth = np.minimum((turn * self.azimuth).astype(np.int64), self.azimuth - 1)
         return (self.incident(cosine) * self.zenith + self.incident(leaving[:, 2])) * self.azimuth + azimuth
 
+    def facing(self, power: float) -> NDArray[np.float64]:
+        """Weigh bins by how much they face the light and the eye.
+
+        Parameters
+        ----------
+        power : float
+            Of both cosines.
+
+        Returns
+        -------
+        weight : (bins,) float64
+            1 along the normal; all ones for a power of 0.
+        """
+        cosine = np.sqrt(1 - (np.arange(self.zenith) + 0.5) / self.zenith) ** power
+        return np.repeat(np.outer(cosine, cosine).ravel(), self.azimuth)
+
     def symmetric(self, brdf: NDArray) -> NDArray:
         """Make a BRDF reciprocal: the mean of itself and of itself with in and out exchanged.
 

@@ -64,8 +64,11 @@ class Making:
         Wavelengths.
     fit_reflectance : bool
         Whether the reflectance at normal incidence is matched too, as in the thesis. It then makes up for what a
-        diffuse lobe cannot do, takes half of the light of dark skin, and leaves the range of principled shaders (0.08);
-        so it is usually that of the tissue's index, and colour and roughness are matched.
+        diffuse lobe cannot do, and leaves the range of principled shaders (0.08); so it is usually that of the
+        tissue's index, and colour and roughness are matched.
+    facing : float
+        Power of both cosines that weighs the bins of the match. 0 counts all alike, as the thesis does; then grazing
+        light, which hardly enters and stays pale, makes dark skin gray from the front as well.
     lock_surface : bool
         Whether the roughness is the surface's own as well, and only the colour is matched.
     tissue : Tissue
@@ -85,6 +88,7 @@ class Making:
     last_nm: float = 700.0
     step_nm: float = 10.0
     fit_reflectance: bool = False
+    facing: float = 4.0
     lock_surface: bool = False
     tissue: Tissue = field(default_factory=Tissue)
     bins: Bins = field(default_factory=Bins)
@@ -99,6 +103,8 @@ class Making:
                 raise InputError(f"nodes of {name} are {count}; they go from 1 to 33")
         if not 1 <= self.step_nm <= 50:
             raise InputError(f"step_nm is {self.step_nm:g}; it goes from 1 to 50")
+        if not 0 <= self.facing <= 10:
+            raise InputError(f"facing is {self.facing:g}; it goes from 0 to 10")
         for name, least in (("paths", 100), ("beam_paths", 0)):
             if getattr(self, name) < least:
                 raise InputError(f"{name} is {getattr(self, name)}; it takes at least {least}")
@@ -269,6 +275,7 @@ class _Maker:
             shape = shader.shape_of(making.tissue.fold)
         if making.lock_surface or not making.fit_reflectance:
             level = ((index - 1) / (index + 1)) ** 2
-        found = match(shader, making.bins, brdf, shape=shape, reflectance=level)
+        weight = making.bins.facing(making.facing)
+        found = match(shader, making.bins, brdf, shape=shape, reflectance=level, weight=weight)
         color = shader.color(found.diffuse, found.reflectance)
         return np.column_stack([color, found.reflectance, shader.roughness(found.shape)])

@@ -102,6 +102,7 @@ def match(
     *,
     shape: float | None = None,
     reflectance: float | None = None,
+    weight: NDArray[np.float64] | None = None,
 ) -> Matches:
     """Find the model that comes nearest to each BRDF.
 
@@ -115,6 +116,8 @@ def match(
         Red, green, blue share shape and reflectance.
     shape, reflectance : float, optional
         To hold fixed, as when the surface is known.
+    weight : (bins,) float64, optional
+        How much each bin counts; all alike without it.
 
     Returns
     -------
@@ -122,6 +125,9 @@ def match(
         The global optimum over the shader's shapes, refined between them.
     """
     parts = bin_parts(shader.name, bins)
+    if weight is not None:
+        root = np.sqrt(weight)
+        parts, brdf = parts * root[:, None, None], brdf * root
     logs, steps = np.log(shader.shapes), np.arange(len(shader.shapes))
     products = (brdf.reshape(-1, bins.count) @ parts.reshape(bins.count, -1)).reshape(*brdf.shape[:2], 3, -1)
     products = np.ascontiguousarray(products.transpose(2, 0, 3, 1))

@@ -272,11 +272,12 @@ def _place_names(layer: Layer) -> dict[str, str]:
 
 
 def _directions(layer: Layer) -> dict[str, str]:
-    """Parameters that name a direction: text or nothing."""
+    """Parameters that name a direction: text or nothing, and no file."""
     return {
         key: value
         for key, field in type(layer.material).model_fields.items()
         if isinstance(value := getattr(layer.material, key), str)
         and plain_types(field.annotation) == {str, type(None)}
         and not key.endswith(("_curves", "_points"))
+        and key not in getattr(layer.material, "files", ())
     }

@@ -82,3 +82,43 @@ def test_leather_has_no_subsurface(ball):
     assert report["subsurface"] == {}
     assert "Subsurface Radius" not in report["blender"]["inputs"]
     assert report["clamped"] == {}
+
+
+def test_skin_reads_its_looks_from_a_table_of_ones_own(ball, tmp_path):
+    from surftex.optics.making import Making, make_table
+
+    counts = {
+        "pheomelanin": 1,
+        "melanin": 3,
+        "epidermis_cm": 1,
+        "stratum_corneum_cm": 1,
+        "blood": 2,
+        "oxygenation": 1,
+    }
+    table = make_table(Making(shader="principled", nodes=counts, paths=300, beam_paths=200, step_nm=50.0))
+    (tmp_path / "mine.npz").write_bytes(table.to_bytes())
+    path = tmp_path / "skin.toml"
+    path.write_text('surftex = 1\n[[layer]]\nmaterial = "skin"\ntable = "mine.npz"\n' + "".join(
+        f"{name} = {value}\n" for name, value in PALE.items()), "utf-8")  # fmt: skip
+    maps = sx.bake(ball, str(path), resolution=32)
+    look = lookup({"melanin": 0.022, "blood": 0.014}, table=sx.optics.load_table(tmp_path / "mine.npz"))
+    assert maps["base_color"][16, 16] == pytest.approx(look.base_color[0], abs=1e-5)
+    assert np.abs(maps["base_color"] - sx.bake(ball, skin(), resolution=32)["base_color"]).max() > 0.005
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("gone.npz", "gone.npz"),
+        ("../mine.npz", "leaves the recipe's folder"),
+        ("wrong.npz", "is no table of skin"),
+    ],
+)
+def test_a_wrong_table_is_refused(ball, tmp_path, name, message):
+    from surftex.errors import InputError
+
+    (tmp_path / "wrong.npz").write_bytes(b"wrong")
+    path = tmp_path / "skin.toml"
+    path.write_text(f'surftex = 1\n[[layer]]\nmaterial = "skin"\ntable = "{name}"\n', "utf-8")
+    with pytest.raises(InputError, match=message):
+        sx.bake(ball, str(path), resolution=32)

@@ -9,9 +9,8 @@ import time
 import numpy as np
 import pytest
 
-from surftex.bake.matching import load_table
 from surftex.errors import InputError
-from surftex.optics import lookup
+from surftex.optics import load_table, lookup
 from surftex.optics.making import Making, make_table
 from surftex.optics.tissue import PARAMETERS
 
@@ -140,6 +139,7 @@ def test_a_new_render_model_is_one_file(folder, monkeypatch, capsys):
         (["--set", "papillary_cm=-1"], "papillary_cm is -1; it goes from 0.001 to 1"),
         (["--set", "haemoglobin_g_per_l=nan"], "haemoglobin_g_per_l is nan; it goes from 0 to 400"),
         (["--set", "facets=flat"], "facets is 'flat'; known are ggx, biospec"),
+        (["--facing", "-1"], "facing is -1; it goes from 0 to 10"),
         (["--out", "."], ". is a folder; name the table too, such as skin.npz"),
         (["--set", "base_albdo=1"], "tissue has no 'base_albdo'"),
         (["--step-nm", "0"], "step_nm is 0; it goes from 1 to 50"),

@@ -68,6 +68,20 @@ def test_channels_without_diffuse_light_bend_no_reflectance(name):
         assert found.residual[n] <= np.sqrt(best / (one**2).sum()) * (1 + 1e-9) + 1e-7
 
 
+def test_bins_that_face_light_and_eye_count_more():
+    """A diffuse factor that changes from 0.4, facing, to 0.1, grazing: the weighed match says what is seen from the front."""
+    shader, parts = shader_named("ggx-lambert"), bin_parts("ggx-lambert", BINS)[:, :, 50].T
+    facing = BINS.facing(1.0)
+    assert facing[0] == pytest.approx(11 / 12)
+    assert facing.reshape(6, 6, 6)[1, 4, 2] == pytest.approx(np.sqrt(9 / 12 * 3 / 12))
+    brdf = np.tile((0.1 + 0.3 * (facing > 0.8)) * parts[0] + parts[1] + 0.05 * parts[2], (1, 3, 1))
+    held = {"shape": float(shader.shapes[50]), "reflectance": 0.05}
+    alike = match(shader, BINS, brdf, **held).diffuse
+    assert alike == pytest.approx(np.full((1, 3), 0.1 + 0.3 * (facing > 0.8).mean()))
+    assert match(shader, BINS, brdf, **held, weight=BINS.facing(0.0)).diffuse == pytest.approx(alike)
+    assert (match(shader, BINS, brdf, **held, weight=BINS.facing(40.0)).diffuse > 0.39).all()
+
+
 def test_a_held_surface_stays_held():
     shader = shader_named("ggx-lambert")
     found = match(shader, BINS, brdfs_of(shader, 0.3, 0.05), shape=0.35, reflectance=0.0465)

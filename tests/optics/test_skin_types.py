@@ -9,7 +9,7 @@ from surftex.optics.brdf import Bins, surface_lobe
 from surftex.optics.colour import TYPES, difference, lab, typology_angle
 from surftex.optics.fitting import FREE
 from surftex.optics.making import Making, make_table
-from surftex.optics.matching import bin_geometry, match
+from surftex.optics.matching import match
 from surftex.optics.nodes import straightened
 from surftex.optics.paths import volume_paths
 from surftex.optics.shaders import shader_named
@@ -34,7 +34,7 @@ def test_every_class_is_fitted_within_a_hundredth():
     assert list(types) == list(TYPES)
     assert all(each.rmse <= 0.010 for each in types.values())
     for each in types.values():
-        seen = lookup(each.biology).base_color[0] + 0.0465  # with what the surface reflects
+        seen = lookup(each.biology).base_color[0] + 0.0415  # with what the border reflects at 8 degrees
         measured = each.reflectance @ rgb_weights(each.nm)
         assert difference(lab(measured), lab(seen)) < 3.5
         assert abs(typology_angle(measured) - typology_angle(seen)) < 8
@@ -152,37 +152,26 @@ def test_gloss_is_matched_to_the_surface():
 
 
 def test_a_look_up_is_what_walks_of_light_give():
-    """Five random biologies between the nodes, each walked for itself; errors in standard errors of that walk.
+    """Base colours of five biologies between the nodes, each walked for itself under light at 8 degrees.
 
-    A look holds the light of surface and inside together, so both are compared as shares of even light.
+    The match weighs directions by how they face, so that colour is what is seen from the front: 1.5 % more than the
+    walk, give or take 3 % and the noise of the walk.
     """
-    bins, tissue, count = Bins(), Tissue(), 3000
-    nm = np.arange(400, 701, 10.0)
-    surface = bins.albedo(surface_lobe(tissue, bins, rays=500_000))
-    shader, wrong, score = shader_named("ggx-lambert"), [], []
+    tissue, count, nm = Tissue(), 3000, np.arange(400, 701, 10.0)
     for k, draw in enumerate(stream(31, "biology").uniform(5, 6)):
         biology = {}
         for share, (name, each) in zip(draw, PARAMETERS.items(), strict=True):
             low, high = straightened(name, [each.low, each.high])
             value = low + share * (high - low)
             biology[name] = float(value if each.even else np.exp(value))
-        walked, square = np.full(3, surface), np.zeros(3)
+        walked, square = np.zeros(3), np.zeros(3)
         for wave, weights in zip(nm, rgb_weights(nm), strict=True):
             paths = volume_paths(
                 tissue, wave, count, stratum_corneum_cm=biology["stratum_corneum_cm"],
-                epidermis_cm=biology["epidermis_cm"], seed=50 + k,
+                epidermis_cm=biology["epidermis_cm"], seed=50 + k, cosine=float(np.cos(np.radians(8))),
             )  # fmt: skip
             light = paths.weight * np.exp(-paths.lengths @ absorption(tissue, [wave], biology)[:, 0])
             walked += weights * light.mean()
             square += weights**2 * light.var() / count
-        look = lookup(biology)
-        parts = [
-            bins.albedo(part.reshape(bins.count, -1).mean(1))
-            for part in shader.parts(float(look.roughness[0]) ** 2, bin_geometry(bins))
-        ]
-        seen = look.base_color[0] * parts[0] + parts[1] + 0.08 * look.specular[0] * parts[2]
-        score.append((seen - walked) / np.sqrt(square))
-        wrong.append(difference(lab(seen), lab(walked)))
-    print(np.round(score,2), np.round(wrong,2))
-    assert np.abs(score).max() < 4
-    assert np.mean(wrong) < 1.0
+        seen = lookup(biology).base_color[0]
+        assert (np.abs(seen / walked - 1.015) < 0.03 + 3 * np.sqrt(square) / walked).all()

@@ -1,7 +1,7 @@
 """`Skin`: what can be said about a skin. Lengths are millimetres walked on the surface."""
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -52,6 +52,9 @@ class Skin(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    files: ClassVar[tuple[str, ...]] = ("table",)
+    """Parameters that name files."""
+
     kind: Literal["skin"] = "skin"
 
     melanin: NumberField = _field(0.022, "baseline", "Melanosomes per volume of the epidermis: 0.01 to 0.43.")
@@ -60,6 +63,9 @@ class Skin(BaseModel):
     oxygenation: NumberField = _field(0.78, "baseline", "Share of the blood that carries oxygen.")
     stratum_corneum: Length = _field(0.015, "baseline", "Thickness of the horny layer.")
     epidermis: Length = _field(0.08, "baseline", "Thickness of the living epidermis.")
+    table: str | None = _field(
+        None, "baseline", "Looks by biology, an .npz of `surftex match`; those of the package without it."
+    )
     variation: Share = _field(
         0.006, "baseline", "Noise of every parameter, as a share of its plausible range."
     )

@@ -18,7 +18,8 @@ from surftex.materials.skin.kinds import STATE
 from surftex.materials.skin.model import Skin
 from surftex.materials.skin.placing import likelihood, tension
 from surftex.materials.skin.points import PointKind
-from surftex.optics import SkinAppearance, lookup
+from surftex.optics import SkinAppearance, load_table, lookup
+from surftex.optics.table import SkinTable
 from surftex.optics.tissue import PARAMETERS
 from surftex.randomness import stream
 from surftex.surface.points import Samples
@@ -106,6 +107,7 @@ class SkinPattern:
     wrinkles: CurveKind | None
     vessels: CurveKind | None
     net: FurrowNet | None
+    table: SkinTable | None = None
 
     channels = CHANNELS
 
@@ -163,7 +165,7 @@ class SkinPattern:
             net = FurrowNet.over(surface, angle, skin.relief_spacing, stretch, stream(seed, "skin", "relief"))
         return SkinPattern(
             skin, surface, MappingProxyType(dict(features)), Baseline.build(skin, surface, seed, names), points,
-            curves.get("wrinkle"), curves.get("vessel"), net,
+            curves.get("wrinkle"), curves.get("vessel"), net, None if skin.table is None else load_table(skin.table),
         )  # fmt: skip
 
     def at(self, samples: Samples) -> Layers:
@@ -211,7 +213,7 @@ class SkinPattern:
             name.replace("_mm", "_cm"): column[name] / (10 if name.endswith("_mm") else 1) for name in BIOLOGY
         }
         return Gathered(
-            column, biology, lookup(biology, threads=1), net,
+            column, biology, lookup(biology, table=self.table, threads=1), net,
             None if self.wrinkles is None else self.wrinkles.at(samples),
         )  # fmt: skip
 
