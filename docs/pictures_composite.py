@@ -47,7 +47,7 @@ def four(picture, **options):
         sx.learn_texture(picture, order=order, **options).synthesize(width, height, 1)
         for order in ("pair", "quad")
     ]
-    return [picture, *drawn, quilt(picture, width, height, 1, patch=40 if options else 24)]
+    return [picture, *drawn, quilt(picture, width, height, 1)]
 
 
 def plain():
@@ -83,40 +83,34 @@ def knitted():
 def landscape():
     """Ground of three labels: the exemplar and its labels; a drawn layout; a painted one; as a single texture."""
     picture, label = ground()
-    model = sx.learn_composite(picture, label)
-    side = 320
+    model = sx.learn_composite(picture, label, pairs=8)
+    side = 224
     painted = np.zeros((side, side), np.uint8)
     down, right = np.mgrid[:side, :side]
-    painted[np.abs(down - 160 - 60 * np.sin(right / 50)) < 34] = 1
-    painted[(down - 70) ** 2 + (right - 230) ** 2 < 45**2] = 2
+    painted[np.abs(down - 112 - 42 * np.sin(right / 35)) < 24] = 1
+    painted[(down - 50) ** 2 + (right - 160) ** 2 < 32**2] = 2
     drawn, asked = model.maps(side, side, 2), model.maps(side, side, 2, labels=painted)
-    single = sx.learn_texture(picture).synthesize(side, side, 2)
-    tones = [each.astype(np.uint8) * 120 for each in (label, drawn["labels"], painted)]
-    pictures = [picture, drawn["picture"], asked["picture"], single, *tones]
+    single = sx.learn_texture(picture, pairs=8).synthesize(side, side, 2)
+    tones = [each[:side, :side].astype(np.uint8) * 120 for each in (label, drawn["labels"], painted)]
+    pictures = [picture[:side, :side], drawn["picture"], asked["picture"], single, *tones]
     names = ("exemplar", "drawn layout", "painted layout", "as one texture", "its labels", "", "")
     save(contact_sheet(pictures, names, columns=4), "textures-landscape")
 
 
 @cache
 def breccia_model():
-    return sx.learn_composite(*breccia(), over=True)
+    return sx.learn_composite(*breccia(), over=True, pairs=8)
 
 
 def eroded():
-    """A breccia; as one texture; as a composite; the same, eroded in four steps."""
+    """A breccia; as one texture; as a composite; the same, eroded."""
     picture, _ = breccia()
-    model, side = breccia_model(), 320
-    ages = [model.synthesize(side, side, 3, age=age) for age in (-1, 0, 1, 3)]
-    pictures = [picture, sx.learn_texture(picture).synthesize(side, side, 3), *ages]
-    names = (
-        "exemplar",
-        "as one texture",
-        "composite, cracks one step back",
-        "as learnt",
-        "a step on",
-        "three steps on",
-    )
-    save(contact_sheet(pictures, names, columns=3), "textures-breccia")
+    model, side = breccia_model(), 224
+    ages = [model.synthesize(side, side, 3, age=age) for age in (-1, 0, 3)]
+    single = sx.learn_texture(picture, pairs=8).synthesize(side, side, 3)
+    pictures = [picture[:side, :side], single, *ages]
+    names = ("exemplar", "as one texture", "composite, a step back", "as learnt", "three steps on")
+    save(contact_sheet(pictures, names, columns=5), "textures-breccia")
 
 
 def column_mesh(height=480.0, sections=96):
@@ -164,7 +158,7 @@ def column():
     [[layer]]
     material = "composite"
     model = "{model}"
-    pixel_size = "1.2 mm"
+    pixel_size = "1.5 mm"
     direction = "up"
     age = "6 * smoothstep(0.5, 1, foot) * ragged - 0.6"
     relief = "0.8 mm"

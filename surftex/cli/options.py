@@ -354,7 +354,7 @@ def _knit(parser: Parser) -> None:
     )
     parser.add_argument("--below", action="store_true", help="each below the one before, not at its right")
     parser.add_argument(
-        "--width", type=_whole, metavar="PIXELS", help="drawn anew on either side (default: 8)"
+        "--width", type=_whole, metavar="PIXELS", help="drawn anew on either side (default: 14)"
     )
     _mending(parser)
 

@@ -92,7 +92,7 @@ def knit(
     *,
     side: Literal["right", "below"] = "right",
     zone: int = 24,
-    width: int = 8,
+    width: int = 14,
     sweeps: int = 100,
     seed: int = 0,
     threads: int | None = None,
@@ -112,7 +112,7 @@ def knit(
     zone : int
         Pixels on either side of the border to learn from.
     width : int
-        Pixels on either side that are drawn anew.
+        Pixels on either side that are drawn anew at most; it wavers down to 0.4 of that.
     sweeps : int
         As for `fill`.
     seed : int
@@ -152,12 +152,25 @@ def knit(
         )
     whole = np.concatenate(pictures, axis=axis)
     border = pictures[0].shape[axis]
-    away = np.abs(np.arange(whole.shape[axis]) + 0.5 - border)
-    away = np.broadcast_to(away[None] if axis == 1 else away[:, None], whole.shape[:2])
+    away = np.arange(whole.shape[axis]) + 0.5 - border
+    hole = np.abs(away) < np.where(away < 0, *_ragged(across[0], width, seed)[:, :, None])
+    known = np.broadcast_to(np.abs(away) < zone, hole.shape)
+    if axis == 0:
+        hole, known = np.ascontiguousarray(hole.T), known.T
     model = learn_texture(
-        _codes(whole), mask=away < zone, seed=seed, threads=threads, tick=PartTick(tick, 0, 0.4), **options
+        _codes(whole), mask=known, seed=seed, threads=threads, tick=PartTick(tick, 0, 0.4), **options
     )
-    return _redrawn(whole, away < width, model, sweeps, seed, threads, PartTick(tick, 0.4))
+    return _redrawn(whole, hole, model, sweeps, seed, threads, PartTick(tick, 0.4))
+
+
+def _ragged(length: int, width: int, seed: int) -> NDArray[np.float64]:
+    """(2, length): how far either side of a border is drawn anew; it wavers, so that no straight line remains."""
+    from scipy.ndimage import gaussian_filter1d
+
+    numbers = stream(seed, "exemplar", "ragged").uniform(2 * length)[:, 0].reshape(2, length)
+    smooth = gaussian_filter1d(numbers, 0.4 * width, axis=1, mode="reflect")
+    spread = np.ptp(smooth, axis=1, keepdims=True)
+    return width * (0.4 + 0.6 * (smooth - smooth.min(axis=1, keepdims=True)) / np.maximum(spread, 1e-9))
 
 
 def _redrawn(
