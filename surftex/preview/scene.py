@@ -204,8 +204,8 @@ class Scene:
         self.refresh()
         if smooth:
             self.plotter.enable_anti_aliasing("ssaa")
-        self.plotter.render()
-        return np.asarray(self.plotter.screenshot(None, return_img=True))
+        self.plotter.render_window.Render()
+        return _pixels(self.plotter.render_window)
 
     def place(self, x: float, y: float) -> SurfacePoints | None:
         """Find what lies under a pixel.
@@ -388,6 +388,24 @@ def _plotter(size: tuple[int, int], *, off_screen: bool) -> Any:
     if not off_screen:
         plotter.enable_anti_aliasing("fxaa")
     return plotter
+
+
+def _pixels(window: Any) -> NDArray[np.uint8]:
+    """Read what a window has drawn, without drawing it once more."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
+
+    reader = vtkWindowToImageFilter()
+    reader.SetInput(window)
+    reader.SetInputBufferTypeToRGB()
+    reader.ReadFrontBufferOff()
+    reader.ShouldRerenderOff()
+    reader.Update()
+    image = reader.GetOutput()
+    width, height, _ = image.GetDimensions()
+    return np.ascontiguousarray(
+        vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, 3)[::-1]
+    )
 
 
 def _texture(picture: NDArray[Any], *, screen: bool) -> Any:

@@ -10,6 +10,7 @@ import contextlib
 import hmac
 import os
 import secrets
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,8 @@ from surftex.preview.studio import STUDIOS
 
 _COOKIE = "surftex"
 _SIZE = (960, 760)
+_PROMPT_S, _REST_S = 0.1, 0.25
+"""Drawing that takes longer is done small at first; and how long nothing must change before it is done in full."""
 
 
 def check_web() -> None:
@@ -100,8 +103,8 @@ class Page:
         self.server: Any = get_server(f"surftex-{id(self)}", client_type="vue3")
         self.server.cli.parse_known_args = _no_arguments(self.server.cli)
         self._loop: Any = None
-        self._camera_moved = True
-        self._waiting = False
+        self._waiting, self._camera_moved, self._full_s = False, True, 0.0
+        self._rest: Any = None
         self.server.state.trame__title = f"surftex {desk.surface.name}"
         self.server.state.picture = ""
         self._sync()
@@ -147,14 +150,36 @@ class Page:
             self._loop.call_soon_threadsafe(self._sync)
 
     def _sync(self) -> None:
-        """Send what is new to the browser."""
+        """Send what is new to the browser: where drawing takes long, a small picture at once, the full one when it rests."""
         self._waiting = False
         if self.scene.refresh() or self._camera_moved:
             self._camera_moved = False
-            data = base64.b64encode(jpeg_bytes(self.scene.picture())).decode()
-            self.server.state.picture = f"data:image/jpeg;base64,{data}"
+            loop = self._loop if self._full_s > _PROMPT_S else None
+            self._draw(1.0 if loop is None else 0.5)
+            if self._rest is not None:
+                self._rest.cancel()
+            self._rest = None if loop is None else loop.call_later(_REST_S, self._sharpen)
         self._tell()
         self.server.state.flush()
+
+    def _sharpen(self) -> None:
+        """Send the full picture."""
+        self._rest = None
+        self._draw(1.0)
+        self.server.state.flush()
+
+    def _draw(self, share: float) -> None:
+        """Draw the scene at a share of its size."""
+        size, start = self.scene.size, time.perf_counter()
+        if share < 1:
+            self.scene.resize(*(max(1, round(share * side)) for side in size))
+        picture = self.scene.picture()
+        if share < 1:
+            self.scene.resize(*size)
+        else:
+            self._full_s = time.perf_counter() - start
+        data = base64.b64encode(jpeg_bytes(picture)).decode()
+        self.server.state.picture = f"data:image/jpeg;base64,{data}"
 
     def _tell(self) -> None:
         """Lay the desk out as plain numbers and words."""
