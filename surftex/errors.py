@@ -1,5 +1,8 @@
 """Failures, by who can mend them: one line each, saying what is wrong, where, and how to mend it."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class SurftexError(Exception):
     """Any failure that surftex foresees; `exit_code` is what the command returns for it."""
@@ -27,3 +30,29 @@ class RecipeError(InputError):
 
 class WorkError(SurftexError):
     """The input was right and the work failed: disk full, a killed child, memory."""
+
+
+@contextmanager
+def naming(name: str) -> Iterator[None]:
+    """Put the name of a parameter before what is wrong with it.
+
+    Parameters
+    ----------
+    name : str
+        Such as ``"skin.freckle_where"``.
+
+    Yields
+    ------
+    None
+        While the parameter is worked with.
+
+    Raises
+    ------
+    RecipeError
+        In place of an `InputError` whose message has no such name yet.
+    """
+    try:
+        yield
+    except InputError as problem:
+        text = str(problem)
+        raise RecipeError(text if text.startswith(f"{name}: ") else f"{name}: {text}") from None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.bake.locating import located
 from surftex.errors import InputError, RecipeError
 from surftex.fields.attributes import attribute_field, occlusion_field, slope_field
 from surftex.fields.curvature import curvature_field
@@ -91,7 +92,8 @@ def make_fields(recipe: Recipe, surface: Surface) -> FieldSet:
                 numbers[name] = _number(name, entry, surface, recipe.seed, where)
                 if (path := places_file(entry)) is not None:
                     points[name] = _located(where, lambda path=path: _drawn(path, surface)[1])
-    return FieldSet(surface, numbers, directions, curves, points)
+    with located(recipe, "fields"):
+        return FieldSet(surface, numbers, directions, curves, points)
 
 
 class _Located:

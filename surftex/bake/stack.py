@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.bake.locating import located
 from surftex.errors import InputError, RecipeError
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.sources import Field
@@ -38,10 +39,13 @@ class Stack:
         Placed on one surface.
     masks : tuple of Field or None
         How much each covers, 0 to 1; None covers everything.
+    recipe : Recipe, optional
+        Whose layers they are, for messages.
     """
 
     patterns: tuple[Pattern, ...]
     masks: tuple[Field | None, ...]
+    recipe: Recipe | None = None
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -89,9 +93,11 @@ class Stack:
             values[channel] = np.full(
                 shape, BARE.get(channel, 0), np.int32 if channel == "region" else np.float32
             )
-        for pattern, mask in zip(self.patterns, self.masks, strict=True):
-            layers = pattern.at(samples)
-            cover = covering(mask, samples)
+        for i, (pattern, mask) in enumerate(zip(self.patterns, self.masks, strict=True)):
+            with located(self.recipe, "layer", i, label=_label(self.recipe, i)):
+                layers = pattern.at(samples)
+            with located(self.recipe, "layer", i, "mask", label=f"{_label(self.recipe, i)}.mask"):
+                cover = covering(mask, samples)
             if told is not None and layers.clamped:
                 told({name: at if cover is None else at & (cover > 0) for name, at in layers.clamped.items()})
             for channel in channels:
@@ -196,7 +202,7 @@ def place_stack(
         pattern, mask = place_layer(recipe, i, surface, fields, features=given, threads=threads, tick=told)
         patterns.append(pattern)
         masks.append(mask)
-    return Stack(tuple(patterns), tuple(masks))
+    return Stack(tuple(patterns), tuple(masks), recipe)
 
 
 def place_layer(
@@ -243,13 +249,15 @@ def place_layer(
     layer = recipe.layer[index]
     material: Any = layer.material
     try:
-        mask = None if layer.mask == 1 else fields.scalar(layer.mask)
-        pattern = material.place(
-            surface, layer_seed(recipe.seed, index), fields=fields, features=features,
-            max_features=recipe.bake.max_features, threads=threads, tick=tick,
-        )  # fmt: skip
-    except InputError as problem:
-        raise RecipeError(f"{_label(recipe, index)}: {problem}") from None
+        with located(recipe, "layer", index, "mask", label=f"{_label(recipe, index)}.mask"):
+            mask = None if layer.mask == 1 else fields.scalar(layer.mask)
+        with located(recipe, "layer", index, label=_label(recipe, index)):
+            pattern = material.place(
+                surface, layer_seed(recipe.seed, index), fields=fields, features=features,
+                max_features=recipe.bake.max_features, threads=threads, tick=tick,
+            )  # fmt: skip
+    except InputError:
+        raise
     except (KeyError, ValueError) as problem:
         if features is None:
             raise
@@ -259,8 +267,8 @@ def place_layer(
     return pattern, mask
 
 
-def _label(recipe: Recipe, index: int) -> str:
-    return "layer" if len(recipe.layer) == 1 else f"layer[{index + 1}]"
+def _label(recipe: Recipe | None, index: int) -> str:
+    return "layer" if recipe is None or len(recipe.layer) == 1 else f"layer[{index + 1}]"
 
 
 def layer_seed(seed: int, index: int) -> int:

@@ -185,7 +185,7 @@ class Expression:
         if wrong:
             raise RecipeError(
                 f"{_short(self.text)!r} has no finite value at {wrong} of {count} points; "
-                "does it divide by zero?"
+                "does it divide by zero, take the root of what is below 0, or grow without end?"
             )
         return np.array(values)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import InputError, RecipeError
+from surftex.errors import InputError, RecipeError, naming
 from surftex.fields.expressions import AXES, RESERVED, Expression
 from surftex.fields.sources import (
     Field,
@@ -97,11 +97,13 @@ class FieldSet:
                 self._fields[name] = value
             else:
                 self._expressions[name] = Expression.parse(value)
-        for expression in self._expressions.values():
-            self._check(expression)
-        for value in numbers.values():
+        for name, expression in self._expressions.items():
+            with naming(f"fields.{name}"):
+                self._check(expression)
+        for name, value in numbers.items():
             if isinstance(value, Derived):
-                self._check(Expression.parse(value.of))
+                with naming(f"fields.{name}"):
+                    self._check(Expression.parse(value.of))
         refuse_circles({**needs, **{name: each.names for name, each in self._expressions.items()}})
 
     @property
@@ -300,7 +302,8 @@ class _Evaluation:
         elif name in self.fields._fields:
             self.known[name] = self.fields._fields[name](self.points, self.footprint_mm)
         else:
-            self.known[name] = self.of(self.fields._expressions[name])
+            with naming(f"fields.{name}"):
+                self.known[name] = self.of(self.fields._expressions[name])
 
 
 class _Bounds:

@@ -157,7 +157,7 @@ class FaceEntry(_Entry):
 class FaceLinesEntry(_Entry):
     """Lines of the face, carried to a head by the landmarks of a JSON file; width and depth times what is usual."""
 
-    face_lines: tuple[StrictStr, ...]
+    face_lines: Annotated[tuple[StrictStr, ...], Field(min_length=1)]
     landmarks: StrictStr
     width: Annotated[Number, Field(gt=0, le=20)] = 1.0
     depth: Annotated[Number, Field(gt=0, le=20)] = 1.0

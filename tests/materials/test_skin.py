@@ -120,7 +120,7 @@ def test_a_darker_skin_is_darker_and_blood_makes_it_redder():
     ("changes", "message"),
     [
         ({"freckle_where": "1 - nose", "freckle_count": 3}, "skin.freckle_where.*unknown field 'nose'"),
-        ({"order": ("pore",)}, "skin.order lists pore"),
+        ({"order": ("pore",)}, "skin.order: it lists pore"),
         ({"follicle_count": 6_000_000}, "most of them follicles"),
         ({"relief_direction": "langer"}, "unknown direction 'langer'"),
     ],

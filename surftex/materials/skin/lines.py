@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.errors import naming
 from surftex.features.curves import ROW, curve_table
 from surftex.features.growth import grow
 from surftex.features.uniform import scatter
@@ -13,6 +14,7 @@ from surftex.fields.sources import Field
 from surftex.fields.vectors import VectorField
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
+from surftex.materials.skin.kinds import setting
 from surftex.materials.skin.model import Skin
 from surftex.randomness import Stream, stream
 from surftex.surface.points import SurfacePoints
@@ -23,6 +25,9 @@ LINE = np.dtype([*ROW.descr, ("width_mm", "f8"), ("depth_mm", "f8"), ("side", "f
 
 _STEPS = 14
 _FORK_RAD = 0.6
+
+FORKS = 0.8
+"""How likely each of the two branches of a fork grows."""
 
 
 def vessels(
@@ -48,7 +53,7 @@ def vessels(
     table : (p,) structured array
         See `LINE`.
     """
-    points = _starts(surface, where, random, skin.vessel_count, skin.vessel_density)
+    points = _starts(skin, surface, "vessel", where, random)
     count = len(points)
     heading = 2 * np.pi * stream(random.key, "heading").uniform(count)[:, 0]
     length, width = np.full(count, skin.vessel_length), np.full(count, skin.vessel_width)
@@ -71,7 +76,7 @@ def vessels(
         numbers = stream(random.key, "fork", generation).uniform(2 * len(points), 3)
         parent = np.repeat(np.arange(len(points)), 2)
         step = 2 + (numbers[:, 0] * (_STEPS - 4)).astype(np.int64)
-        kept = numbers[:, 2] < 0.8
+        kept = numbers[:, 2] < FORKS
         parent, step, numbers = parent[kept], step[kept], numbers[kept]
         fork = (
             np.where(np.arange(2 * len(points))[kept] % 2, 1.0, -1.0)
@@ -116,7 +121,7 @@ def wrinkles(
     table : (p,) structured array
         See `LINE`.
     """
-    points = _starts(surface, where, random, skin.wrinkle_count, skin.wrinkle_density)
+    points = _starts(skin, surface, "wrinkle", where, random)
     count = len(points)
     if not count:
         return np.zeros(0, LINE)
@@ -170,14 +175,14 @@ def _of_length(skin: Skin, field: DirectionField, random: Stream) -> VectorField
     return VectorField.along(field, length_mm)
 
 
-def _starts(
-    surface: Surface, where: Field | None, random: Stream, count: int, per_1000_mm2: float
-) -> SurfacePoints:
+def _starts(skin: Skin, surface: Surface, kind: str, where: Field | None, random: Stream) -> SurfacePoints:
     own = stream(random.key, "count"), stream(random.key, "density")
-    parts = [
-        scatter(surface, own[0], count=count, weight=where) if count else None,
-        scatter(surface, own[1], density_per_mm2=per_1000_mm2 / 1000, weight=where) if per_1000_mm2 else None,
-    ]
+    count, per_mm2 = setting(skin, kind, "count"), setting(skin, kind, "density") / 1000
+    with naming(f"skin.{kind}_where"):
+        parts = [
+            scatter(surface, own[0], count=count, weight=where) if count else None,
+            scatter(surface, own[1], density_per_mm2=per_mm2, weight=where) if per_mm2 else None,
+        ]
     found = [part for part in parts if part is not None]
     face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in found]])
     return SurfacePoints.trusted(

@@ -5,15 +5,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import InputError, RecipeError
+from surftex.errors import RecipeError, naming
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
-from surftex.fields.sources import Field
+from surftex.fields.sources import Field, SpannedField
 from surftex.fields.vectors import VectorField
 from surftex.geodesics.directions import DirectionField
 from surftex.kernels.pool import Tick
 from surftex.materials.skin.kinds import KINDS, setting
-from surftex.materials.skin.lines import drawn_lines, vessels, wrinkles
+from surftex.materials.skin.lines import FORKS, drawn_lines, vessels, wrinkles
 from surftex.materials.skin.model import Skin
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
@@ -55,17 +55,8 @@ def place(
         By kind; each row has `face` and `barycentric`.
     """
     _check_order(skin)
+    _check_count(skin, surface, max_features)
     told = tick or (lambda share: None)
-    expected = {
-        kind: setting(skin, kind, "count") + setting(skin, kind, "density") * surface.area_mm2
-        for kind in KINDS
-    }
-    if sum(expected.values()) > max_features:
-        most = max(expected, key=lambda kind: expected[kind])
-        raise RecipeError(
-            f"skin: up to {sum(expected.values()):.0f} features on {surface.area_mm2:.0f} mm^2, most of them {most}s, are "
-            f"more than the {max_features} allowed; lower {most}_count or {most}_density, or raise --max-features"
-        )
     features: dict[str, NDArray] = {}
     for i, kind in enumerate(KINDS):
         features[kind] = _points(skin, surface, seed, fields, kind)
@@ -124,17 +115,22 @@ def read(fields: FieldSet, value: float | str, key: str) -> Field:
     Returns
     -------
     field : Field
-        Of points.
+        Of points; where it has no finite value, its message names the parameter too.
 
     Raises
     ------
     RecipeError
         If the expression is wrong; the message names the parameter.
     """
-    try:
-        return fields.scalar(value)
-    except RecipeError as problem:
-        raise RecipeError(f"skin.{key}: {problem}") from None
+    name = f"skin.{key}"
+    with naming(name):
+        field = fields.scalar(value)
+
+    def at(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+        with naming(name):
+            return field(points, footprint_mm)
+
+    return SpannedField(at, field.span)
 
 
 def tension(skin: Skin, surface: Surface, fields: FieldSet) -> DirectionField:
@@ -173,15 +169,13 @@ def _points(skin: Skin, surface: Surface, seed: int, fields: FieldSet, kind: str
     count, density = setting(skin, kind, "count"), setting(skin, kind, "density")
     power = skin.freckle_gather if kind == "freckle" else 1.0
     parts: list[SurfacePoints] = []
-    try:
+    with naming(f"skin.{kind}_where"):
         if count:
             random = stream(seed, "skin", kind, "count")
             parts.append(scatter(surface, random, count=count, weight=where, power=power))
         if density:
             random = stream(seed, "skin", kind, "density")
             parts.append(scatter(surface, random, density_per_mm2=density, weight=where, power=power))
-    except InputError as problem:
-        raise RecipeError(f"skin.{kind}_where: {problem}") from None
     if kind == "mole" and skin.mole_points is not None:
         parts.append(fields.points(skin.mole_points))
     face = np.concatenate([np.zeros(0, np.int32), *[part.face for part in parts]])
@@ -215,5 +209,22 @@ def _lean_angle(
 def _check_order(skin: Skin) -> None:
     if sorted(skin.order) != sorted(KINDS):
         raise RecipeError(
-            f"skin.order lists {', '.join(skin.order)}; it takes each of {', '.join(KINDS)} once"
+            f"skin.order: it lists {', '.join(skin.order)}; it takes each of {', '.join(KINDS)} once"
+        )
+
+
+def _check_count(skin: Skin, surface: Surface, most: int) -> None:
+    """Refuse more features than are allowed, before any is placed."""
+    forks = sum((2 * FORKS) ** i for i in range(skin.vessel_branches + 1))
+    each = {**dict.fromkeys(KINDS, (1.0, 1.0)), "vessel": (forks, forks / 1000), "wrinkle": (1.0, 1 / 1000)}
+    expected = {
+        f"{kind}_{key}": setting(skin, kind, key) * factor
+        for kind, (of_count, per_mm2) in each.items()
+        for key, factor in (("count", of_count), ("density", per_mm2 * surface.area_mm2))
+    }
+    if (total := sum(expected.values())) > most:
+        key = max(expected, key=lambda key: expected[key])
+        raise RecipeError(
+            f"skin.{key}: up to {total:.10g} features on {surface.area_mm2:.0f} mm^2, most of them {key.split('_')[0]}s, are "
+            f"more than the {most} allowed; lower {key}, or raise --max-features"
         )
