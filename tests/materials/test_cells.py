@@ -96,6 +96,7 @@ def test_a_tile_goes_on_from_saved_particles(tile):
         ({"cell_size": 4.0}, 10.0, "too small for cells"),
         ({"cell_size": "1 + wear"}, 40.0, "cell_size: an expression needs a surface"),
         ({"potential": "wear"}, 40.0, "cells.potential: 'wear': unknown field"),
+        ({"cell_ratio": 0}, 40.0, "cell_ratio: 0 is not between 0.2 and 5"),
         ({"direction": "grain"}, 40.0, "unknown direction 'grain'"),
         ({}, -3.0, "a tile of -3 mm is too small"),
         ({"births": 5.0}, 4000.0, "more than the 5000000 allowed"),
@@ -104,6 +105,19 @@ def test_a_tile_goes_on_from_saved_particles(tile):
 def test_what_a_tile_cannot_be_is_said(changes, side, says):
     with pytest.raises(RecipeError, match=says):
         Cells(**changes).tile(side)
+
+
+@pytest.mark.parametrize("ratio", [0, 100, "0.1 * x", "-1"])
+def test_needles_are_refused(ball, ratio):
+    with pytest.raises(RecipeError, match=r"cell_ratio: .* is not between"):
+        Cells(cell_size=2.0, cell_ratio=ratio).place(ball, 1)
+
+
+def test_a_mesh_smaller_than_a_cell_is_one():
+    pattern = Cells(cell_size=80.0).place(sphere(2.0, subdivisions=1), 1)
+    assert len(pattern.features["cell"]) == 0
+    layers = pattern.at(samples_of(pattern.surface, 50))
+    assert np.isfinite(layers["height_mm"]).all()
 
 
 def test_cells_cover_a_ball_evenly(pattern, ball):
@@ -152,6 +166,52 @@ def test_wrinkles_lie_over_the_cells(ball):
     assert sunk.max() > 0.4
     assert np.median(sunk) == 0
     np.testing.assert_array_equal(plain.features["cell"], creased.features["cell"])
+
+
+def test_drawn_wrinkles_lie_over_the_cells_and_may_drive_them(ball, tmp_path):
+    from surftex.files.strokes import Stroke, write_strokes
+    from surftex.surface.closest import closest_points
+
+    turn = np.linspace(0, 2 * np.pi, 40)
+    ring = np.stack([12 * np.cos(turn), 12 * np.sin(turn), 0 * turn], axis=1) - ball.origin_mm
+    write_strokes(tmp_path / "ring.json", ball, [Stroke(closest_points(ball, ring)[0])])
+    fields = {
+        "ring": {"curves": str(tmp_path / "ring.json"), "width": 1.5, "depth": 0.6},
+        "near": {"distance_to": str(tmp_path / "ring.json")},
+    }
+    layer = {
+        "material": "cells",
+        "cell_size": 2.0,
+        "generations": 60,
+        "wrinkle_curves": "ring",
+        "wrinkle_count": 2,
+    }
+    settings = {"resolution": 32, "maps": ("height",), "unwrapper": "uvunwrap"}
+
+    def made(**changes):
+        recipe = Recipe.model_validate({"fields": fields, "layer": [{**layer, **changes}]})
+        return run(Recipe.of(recipe, **settings), ball)
+
+    drawn, plain = made(), made(wrinkle_curves=None)
+    table = drawn.maps.features["wrinkle"]
+    assert len(np.unique(table["curve"])) == 3
+    assert set(table["width_mm"]) == {0.0, 1.5}
+    samples = samples_of(ball)
+    height, below = (each.stack.at(samples, ("height_mm",))["height_mm"] for each in (drawn, plain))
+    z = np.abs(samples.points.positions(ball)[:, 2] + ball.origin_mm[2])
+    sunk = below - height
+    assert sunk[z < 0.2].max() > 0.5
+    np.testing.assert_allclose(sunk[z > 1.7], 0, atol=1e-6)
+    driven = made(potential="1 - smoothstep(0, 4, near)", potential_force=0.05).maps.features["particle"]
+    off = [
+        np.abs(
+            SurfacePoints.trusted(each["face"], each["barycentric"]).positions(ball)[:, 2] + ball.origin_mm[2]
+        )
+        for each in (driven, plain.maps.features["particle"])
+    ]
+    assert (off[0] < 1.5).mean() < 0.8 * (off[1] < 1.5).mean()
+    with pytest.raises(RecipeError, match="drawn curves need a mesh"):
+        Cells(wrinkle_curves="ring").tile(30.0)
 
 
 @pytest.mark.parametrize(("force", "drop"), [(0.02, 0.3), (0.06, 1.0)])

@@ -131,6 +131,9 @@ class Cells(BaseModel):
     )
     wrinkle_depth: Length = _field(0.1, "wrinkles", "Added to that of the groove beneath.")
     wrinkle_width: Length = _field(0.9, "wrinkles", "From the middle of a wrinkle to its rim.")
+    wrinkle_curves: str | None = _field(
+        None, "wrinkles", "Curves of the recipe to draw as wrinkles, with their own width and depth."
+    )
     wrinkle_taper: Length = _field(6.0, "wrinkles", "Length over which a wrinkle runs out at its ends.")
 
     grain_height: Length = _field(0.004, "grain", "Rise of the finest bumps.")
@@ -228,7 +231,7 @@ class Cells(BaseModel):
             Of each kind that there is, mm; cells whose size is an expression are left out.
         """
         sizes = {} if isinstance(self.cell_size, str) else {"cells": float(self.cell_size)}
-        if self.wrinkle_count or self.wrinkle_density:
+        if self.wrinkle_count or self.wrinkle_density or self.wrinkle_curves:
             sizes["wrinkles"] = 2 * self.wrinkle_width
         return sizes
 

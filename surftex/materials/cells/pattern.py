@@ -19,7 +19,7 @@ from surftex.geodesics.curves import flood_curves, nearest_curve
 from surftex.geodesics.records import Records
 from surftex.geodesics.windows import flood_points, within
 from surftex.materials.cells.model import Cells
-from surftex.materials.cells.relief import Place, layers
+from surftex.materials.cells.relief import Place, WrinklePlace, layers
 from surftex.materials.layers import Layers
 from surftex.randomness import stream
 from surftex.surface.points import Samples, SurfacePoints
@@ -37,8 +37,10 @@ SHAPING = frozenset({
 _SWITCHES = frozenset({"shallows", "blob_height", "grain_height"})
 """Those of which zero and more than zero are two things to gather."""
 
-_KEPT = SHAPING | {"gap", "rounding", "taper", "waviness", "blob_density", "blob_size", "blob_variation", "blob_threshold",
-                   "wrinkle_taper", "grain_size", "mottle_size"}  # fmt: skip
+_KEPT = SHAPING | {
+    "leanness", "gap", "rounding", "taper", "waviness", "blob_density", "blob_size", "blob_variation", "blob_threshold",
+    "wrinkle_taper", "grain_size", "mottle_size",
+}  # fmt: skip
 """Parameters that grow the same cells."""
 
 _FLOODED = 1.5
@@ -123,10 +125,9 @@ class CellsPattern:
         wrinkles = None
         if len(features.get("wrinkle", ())):
             pieces = curve_pieces(surface, features["wrinkle"])
-            buckets = Buckets.of(surface, cells.wrinkle_width)
-            wrinkles = flood_curves(
-                surface, pieces, _FLOODED * cells.wrinkle_width, buckets=buckets, threads=threads
-            )
+            width = max(cells.wrinkle_width, float(_drawn(features["wrinkle"], "width_mm").max()))
+            buckets = Buckets.of(surface, width)
+            wrinkles = flood_curves(surface, pieces, _FLOODED * width, buckets=buckets, threads=threads)
         return CellsPattern(
             cells, surface, MappingProxyType(dict(features)), planes, outline(cells, planes, seed, threads), records,
             wrinkles, seed,
@@ -171,14 +172,12 @@ class CellsPattern:
             start, cell, vector = np.zeros(count + 1, np.int64), np.zeros(0, np.int32), np.zeros((0, 2))
         else:
             start, cell, _, vector = within(self.records, points, threads=1)
-        wrinkle = share = None
-        if self.wrinkles is not None:
-            wrinkle, share = self._nearest_wrinkle(points)
+        wrinkle = None if self.wrinkles is None else self._nearest_wrinkle(points)
         lone = ~self._inhabited[self.surface.component[points.face]]
         place = located(
             self.cells, self.planes, self.outlines, start, cell, vector, noise, count, self._numbers, lone
         )
-        return place(wrinkle, share)
+        return place(wrinkle)
 
     def shape(self, place: Place, footprint_mm: NDArray[np.float32]) -> Layers:
         """Turn places into channels.
@@ -251,12 +250,19 @@ class CellsPattern:
     def _numbers(self) -> NDArray[np.float32]:
         return cell_numbers(self.seed, len(self.planes))
 
-    def _nearest_wrinkle(self, points: SurfacePoints) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Distance to the nearest wrinkle, and how much of it is left there."""
+    def _nearest_wrinkle(self, points: SurfacePoints) -> WrinklePlace:
+        """Find the nearest wrinkle, and how much of it is left there."""
         piece, distance, along, _ = nearest_curve(self.wrinkles, points, threads=1)
-        length = self.features["wrinkle"]["length_mm"][np.maximum(piece, 0)]
-        left = np.where(piece >= 0, wrinkle_left(self.cells, along, length), 0)
-        return distance.astype(np.float32), left.astype(np.float32)
+        table, own = self.features["wrinkle"], np.maximum(piece, 0)
+        left = np.where(piece >= 0, wrinkle_left(self.cells, along, table["length_mm"][own]), 0)
+        width, depth = _drawn(table, "width_mm")[own], _drawn(table, "depth_mm")[own]
+        measured = (each.astype(np.float32) for each in (distance, left, width, depth))
+        return WrinklePlace(*measured)
+
+
+def _drawn(table: NDArray, name: str) -> NDArray[np.float64]:
+    """Width or depth of each piece of wrinkles; 0 where it was not drawn with one."""
+    return table[name] if name in (table.dtype.names or ()) else np.zeros(len(table))
 
 
 def outline(cells: Cells, planes: CellPlanes, seed: int, threads: int | None) -> Outlines:
@@ -383,7 +389,7 @@ def located(
     Returns
     -------
     place : callable
-        ``place(wrinkle_mm, wrinkle_share)`` gives the `Place` of the samples.
+        ``place(wrinkle)``, told a `WrinklePlace` or None, gives the `Place` of the samples.
     """
     from surftex.kernels.cell_relief import cells_at
 
@@ -406,9 +412,9 @@ def located(
     none = np.zeros(count, np.float32)
     drifting = cells.mottle + cells.wear > 0
 
-    def place(wrinkle: NDArray[np.float32] | None, share: NDArray[np.float32] | None) -> Place:
+    def place(wrinkle: WrinklePlace | None) -> Place:
         return Place(
-            owner, rho, border, swelling, scale, np.append(rise, mean)[owner], mean, own[:, 0], own[:, 1], wrinkle, share,
+            owner, rho, border, swelling, scale, np.append(rise, mean)[owner], mean, own[:, 0], own[:, 1], wrinkle,
             noise("shallows", 2.5 * size, 2) if cells.shallows > 0 else none,
             noise("grain", cells.grain_size, 2) if cells.grain_height > 0 else none,
             noise("mottle", cells.mottle_size, 2) if drifting else none,

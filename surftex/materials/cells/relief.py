@@ -34,8 +34,8 @@ class Place:
         Of all cells.
     level, tone : (n,) float32
         Random numbers of the cell, 0 to 1.
-    wrinkle_mm, wrinkle_share : (n,) float32 or None
-        To the nearest wrinkle, and how much of it is left there.
+    wrinkle : WrinklePlace or None
+        Where the nearest wrinkle is.
     shallow, grain, mottle : (n,) float32
         Noise, about -1 to 1.
     """
@@ -49,11 +49,32 @@ class Place:
     mean_rise: np.float32
     level: Float
     tone: Float
-    wrinkle_mm: Float | None
-    wrinkle_share: Float | None
+    wrinkle: "WrinklePlace | None"
     shallow: Float
     grain: Float
     mottle: Float
+
+
+@dataclass(frozen=True, eq=False)
+class WrinklePlace:
+    """Where the nearest wrinkle of n samples is.
+
+    Attributes
+    ----------
+    distance_mm : (n,) float32
+        To its line; inf where none is near.
+    share : (n,) float32
+        How much of it is left there, 0 to 1.
+    width_mm : float or (n,) float32
+        From the line to its rim; where 0, width and depth are the material's.
+    depth_mm : float or (n,) float32
+        Below the grain.
+    """
+
+    distance_mm: Float
+    share: Float
+    width_mm: Float | float
+    depth_mm: Float | float
 
 
 def side_profile(rho: Float, taper: float, shoulder: float, groove: float) -> Float:
@@ -117,11 +138,11 @@ def layers(cells: Cells, place: Place, footprint_mm: Float) -> Layers:
     furrow = np.clip(1 - side, 0, 1) * (1 - floor)
 
     wrinkle = np.zeros_like(side)
-    if place.wrinkle_mm is not None and place.wrinkle_share is not None:
-        wrinkle = place.wrinkle_share * valley(
-            place.wrinkle_mm, cells.wrinkle_width, footprint_mm, dimension=1
-        )
-        height = height - cells.wrinkle_depth * wrinkle
+    if place.wrinkle is not None:
+        near = place.wrinkle
+        width = np.where(near.width_mm > 0, near.width_mm, cells.wrinkle_width)
+        wrinkle = near.share * valley(near.distance_mm, width, footprint_mm, dimension=1)
+        height = height - np.where(near.width_mm > 0, near.depth_mm, cells.wrinkle_depth) * wrinkle
     height = height + cells.grain_height * place.grain * (1 - 0.6 * furrow)
     return Layers(
         {

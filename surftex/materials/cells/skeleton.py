@@ -19,6 +19,7 @@ from surftex.features.particle_growth import Ground, Particles, grow, on_top
 from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.paths import polyline, shortest_path
+from surftex.geodesics.pieces import CurvePieces
 from surftex.geodesics.tracing import trace
 from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.cells.model import Cells
@@ -42,6 +43,9 @@ CELL = np.dtype(
     ]
 )  # fmt: skip
 """A cell: its centre, its corners in the log map there, and which particles they are (-1: none, or the rim)."""
+
+RATIOS = (0.2, 5.0)
+"""Length of particles over their width, at the least and at the most."""
 
 _GROWTH = 0.6
 _SLOPE = 0.05
@@ -109,9 +113,13 @@ def place(
         regions = paired(corners.triangles, share=cells.quads, most_rad=np.radians(cells.squareness))
         planes, centre = surface_cells(surface, regions, corners, top.scale, threads=threads)
         made["cell"] = cell_table(planes, centre, np.where(regions < len(top), regions, -1))
-        wrinkles = _wrinkles(cells, surface, seed, names, points, regions, threads)
-        if len(wrinkles):
-            made["wrinkle"] = wrinkles
+        lines = _wrinkles(cells, surface, seed, names, points, regions, threads)
+        if cells.wrinkle_curves is not None:
+            drawn = names.curves(cells.wrinkle_curves).copy()
+            drawn["curve"] += int(lines["curve"].max(initial=-1)) + 1
+            lines = np.concatenate([lines, drawn.astype(lines.dtype)])
+        if len(lines):
+            made["wrinkle"] = lines
     else:
         made["cell"] = np.zeros(0, CELL)
     if tick is not None:
@@ -341,15 +349,42 @@ def cell_table(planes: CellPlanes, centre: SurfacePoints, corner: NDArray[np.int
     return table
 
 
+def checked_ratio(ratio: float) -> float:
+    """Refuse particles that would be needles.
+
+    Parameters
+    ----------
+    ratio : float
+        Length over width.
+
+    Returns
+    -------
+    ratio : float
+        As it is.
+
+    Raises
+    ------
+    RecipeError
+        If it is outside `RATIOS`.
+    """
+    if not RATIOS[0] <= ratio <= RATIOS[1]:
+        raise RecipeError(f"cells.cell_ratio: {ratio:g} is not between {RATIOS[0]:g} and {RATIOS[1]:g}")
+    return ratio
+
+
 def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[SurfacePoints], NDArray]:
     """Take a number as it is, an expression as a function of points."""
     if not isinstance(value, str):
-        return value
+        return checked_ratio(value) if key == "cell_ratio" else value
     try:
         field = names.scalar(value)
     except RecipeError as problem:
         raise RecipeError(f"cells.{key}: {problem}") from None
-    least = float(np.min(field(_middles(names.surface))))
+    values = field(_middles(names.surface))
+    least = float(np.min(values))
+    if key == "cell_ratio":
+        checked_ratio(least)
+        checked_ratio(float(np.max(values)))
     if not least > 0:
         raise RecipeError(f"cells.{key}: {value!r} falls to {least:g}; it must stay above 0")
     return field
@@ -399,8 +434,10 @@ def _wrinkles(
 ) -> NDArray:  # fmt: skip
     """Wrinkles: walks along the sides of cells that keep to the stress."""
     count = wrinkle_count(cells, surface.area_mm2, seed)
+    as_material = {"width_mm": 0.0, "depth_mm": 0.0}
+    none = curve_table(surface, CurvePieces.joined([]), **as_material)
     if count == 0:
-        return np.zeros(0)
+        return none
     stress = names.direction(cells.stress) if cells.stress else DirectionField.smoothest(surface)
     end = sides_of(regions)
     end = end[(end < len(points)).all(axis=1)]
@@ -418,13 +455,13 @@ def _wrinkles(
         most_rad=np.radians(cells.wrinkle_angle),
     )  # fmt: skip
     if not found:
-        return np.zeros(0)
+        return none
     nodes = np.concatenate([np.array(path) for path in found])
     curve = np.repeat(np.arange(len(found)), [len(path) for path in found])
     along = SurfacePoints.trusted(
         np.ascontiguousarray(points.face[nodes]), np.ascontiguousarray(points.barycentric[nodes])
     )
-    return curve_table(surface, polyline(surface, along, curve, threads=threads)[0])
+    return curve_table(surface, polyline(surface, along, curve, threads=threads)[0], **as_material)
 
 
 def wrinkle_count(cells: Cells, area_mm2: float, seed: int) -> int:

@@ -18,8 +18,8 @@ from surftex.fields.noise import Noise
 from surftex.kernels.pool import PartTick, Tick, slices
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.pattern import CHANNELS, cell_numbers, located, outline, wrinkle_left
-from surftex.materials.cells.relief import layers
-from surftex.materials.cells.skeleton import CELL, chosen, grown, particle_table, particles_of
+from surftex.materials.cells.relief import WrinklePlace, layers
+from surftex.materials.cells.skeleton import CELL, checked_ratio, chosen, grown, particle_table, particles_of
 from surftex.materials.cells.tile_fields import tile_direction, tile_push
 from surftex.materials.cells.tile_wrinkles import nearest_wrinkle, tile_wrinkles
 from surftex.materials.layers import Layers
@@ -83,19 +83,19 @@ class CellsTile:
 
         tree = KDTree(place, boxsize=self.side_mm)
         start, cell, vector = self._near(place, tree)
-        wrinkle = share = None
+        wrinkle = None
         table = self.features["wrinkle"]
         if len(table):
-            wrinkle, along, length = nearest_wrinkle(
+            apart, along, length = nearest_wrinkle(
                 table, self.side_mm, place, tree, 1.5 * self.cells.wrinkle_width
             )
-            share = np.where(np.isfinite(wrinkle), wrinkle_left(self.cells, along, length), 0)
-            share, wrinkle = share.astype(np.float32), wrinkle.astype(np.float32)
+            share = np.where(np.isfinite(apart), wrinkle_left(self.cells, along, length), 0)
+            wrinkle = WrinklePlace(apart.astype(np.float32), share.astype(np.float32), 0.0, 0.0)
         found = located(
             self.cells, self.planes, self.outlines, start, cell, vector, noise, count,
             cell_numbers(self.seed, len(self.planes)), np.zeros(count, bool),
         )  # fmt: skip
-        return layers(self.cells, found(wrinkle, share), np.full(count, footprint_mm, np.float32))
+        return layers(self.cells, found(wrinkle), np.full(count, footprint_mm, np.float32))
 
     def page(
         self, resolution: int, *, threads: int | None = None, tick: Tick | None = None
@@ -231,12 +231,14 @@ def make_tile(
     for key in ("cell_size", "cell_ratio"):
         if isinstance(getattr(cells, key), str):
             raise RecipeError(f"cells.{key}: an expression needs a surface; a tile takes a number")
-    size, aspect = float(cells.cell_size), float(cells.cell_ratio)
+    size, aspect = float(cells.cell_size), checked_ratio(float(cells.cell_ratio))
     if not side_mm >= LEAST_SIDE * size * max(aspect, 1.0):
         least = LEAST_SIDE * size * max(aspect, 1.0)
         raise RecipeError(
             f"a tile of {side_mm:g} mm is too small for cells of {size:g} mm; it takes {least:g} mm"
         )
+    if cells.wrinkle_curves is not None:
+        raise RecipeError("cells.wrinkle_curves: drawn curves need a mesh; a tile takes wrinkle_count")
     sheet = sheet_of(side_mm) if fields is None else fields.surface
     names = FieldSet(sheet) if fields is None else fields
     direction, stress = (
