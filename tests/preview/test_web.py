@@ -125,3 +125,11 @@ def test_a_slider_moved_in_a_browser_changes_the_picture(page, tmp_path, capsys)
         )
     assert np.median(taken) < 5.0
     assert len(picture) > 10_000
+
+
+def test_without_trame_it_says_how_to_get_it(monkeypatch):
+    from surftex.preview.web import check_web
+
+    monkeypatch.setitem(sys.modules, "trame.app", None)
+    with pytest.raises(WorkError, match=r"surftex\[web\]"):
+        check_web()
