@@ -5,7 +5,7 @@ import pytest
 from tests.fuzz.hunt import trial
 from tests.fuzz.targets import TARGETS
 
-RUNS = 40
+RUNS = 20
 
 
 @pytest.mark.parametrize("name", TARGETS)

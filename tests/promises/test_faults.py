@@ -112,6 +112,7 @@ def test_a_link_as_output_is_refused_before_any_work(folder):
     assert not list((folder / "real").iterdir())
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_do_not_mix(folder):
     both = [started(folder, "--out", "out") for _ in range(2)]
     said = [process.communicate(timeout=300)[1] for process in both]
@@ -145,6 +146,7 @@ def probe(folder, cache):
     assert process.returncode == 0, process.stderr
 
 
+@pytest.mark.slow
 def test_damaged_or_forbidden_kernels_are_compiled_again(folder):
     cache = folder / "kernels"
     probe(folder, cache)
