@@ -173,9 +173,7 @@ def _distance(entry: DistanceEntry, surface: Surface, where: str) -> Field | Der
             with _Located(where):
                 level = float(entry.level)
                 pieces = contour(surface, mask, level=level)
-                return distance_field(
-                    surface, pieces, inside=_inside(surface, mask, level), limit_mm=entry.limit
-                )
+                return distance_field(surface, pieces, mask=mask, level=level, limit_mm=entry.limit)
 
         return Derived(expression, border)
     if isinstance(entry.distance_to, str):
@@ -187,14 +185,6 @@ def _distance(entry: DistanceEntry, surface: Surface, where: str) -> Field | Der
         place = np.array([entry.distance_to], np.float64) * surface.mm_per_unit - surface.origin_mm
         pieces = point_pieces(surface, closest_points(surface, place)[0])
     return made_once(_located(where, lambda: distance_field(surface, pieces, limit_mm=entry.limit)))
-
-
-def _inside(surface: Surface, mask: SpannedField, level: float) -> NDArray[np.bool_]:
-    """(n,) whether a mask is above the level at most of the corners of each vertex."""
-    corner = np.arange(3 * len(surface.faces))
-    points = SurfacePoints.trusted((corner // 3).astype(np.int32), 0.999 * np.eye(3)[corner % 3] + 0.001 / 3)
-    above = np.where(mask(points) > level, 1.0, -1.0)
-    return np.bincount(surface.faces.ravel(), above, minlength=len(surface.vertices)) > 0
 
 
 def _drawn(path: str, surface: Surface) -> Any:

@@ -2,6 +2,7 @@
 
 Within three mean edges the distance is exact. Beyond, it is linear between the vertices; these are exact within
 eight mean edges, and further off solved once by the heat method. Each fades into the next.
+The side of a border is that of its mask at the very point.
 """
 
 import numpy as np
@@ -18,15 +19,13 @@ from surftex.surface.surface import Surface
 _VERTEX_EDGES = 8.0
 """Mean edges within which the distances of vertices are exact."""
 
-_HEAT_ERROR = 0.1
-"""Share of a distance by which the heat method is never off by more."""
-
 
 def distance_field(
     surface: Surface,
     pieces: CurvePieces,
     *,
-    inside: NDArray[np.bool_] | None = None,
+    mask: SpannedField | None = None,
+    level: float = 0.5,
     limit_mm: float | None = None,
 ) -> SpannedField:
     """Measure how far it is to curves.
@@ -37,9 +36,10 @@ def distance_field(
         n vertices.
     pieces : CurvePieces
         At least one; a curve of no length is a point.
-    inside : (n,) bool, optional
-        With the curves as a border that has its inside on the left: whether each vertex is inside. The field is
-        then negative inside. Without it no side is told.
+    mask : SpannedField, optional
+        With the curves as its border: the field is negative where the mask is above the level. Without it no side is told.
+    level : float
+        Of the mask.
     limit_mm : float, optional
         Greatest distance, also of places that no path leads to; twice the diagonal of the mesh without it.
 
@@ -52,25 +52,32 @@ def distance_field(
         2 * float(np.linalg.norm(np.ptp(surface.vertices, axis=0))) if limit_mm is None else float(limit_mm)
     )
     reach = EXACT_EDGES * surface.mean_edge_mm
-    far = np.minimum(_at_vertices(surface, pieces), limit)
-    if inside is not None:
-        far = np.where(inside, -far, far)
     records = flood_curves(surface, pieces, reach)
-    corners = far[surface.faces]
+    corners = np.minimum(_at_vertices(surface, pieces), limit)[surface.faces]
 
     def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
         beyond = np.einsum("pk,pk->p", points.barycentric, corners[points.face])
-        _, distance, _, side = nearest_curve(records, points)
+        distance = nearest_curve(records, points)[1]
         share = np.clip((reach - distance) / (reach * 2 / 3), 0.0, 1.0)
         near = np.where(share > 0, distance, 0.0)
-        if inside is not None:
-            near = np.where(side > 0, -near, near)
-        return np.clip(share * near + (1 - share) * beyond, -limit, limit)
+        far = np.minimum(share * near + (1 - share) * beyond, limit)
+        return far if mask is None else np.where(mask(points) > level, -far, far)
 
     def span() -> Span:
-        room = surface.edge_length.max(axis=1) + _HEAT_ERROR * np.abs(corners).max(axis=1)
-        low, high = corners.min(axis=1) - room, corners.max(axis=1) + room
-        return np.clip(low, 0.0 if inside is None else -limit, limit), np.clip(high, -limit, limit)
+        count = len(surface.faces)
+        every = SurfacePoints.trusted(
+            np.repeat(np.arange(count, dtype=np.int32), 3), np.tile(np.eye(3), (count, 1))
+        )
+        near = np.minimum(nearest_curve(records, every)[1], reach).reshape(-1, 3)
+        # the exact distance changes by no more than the way; where it is not known it is beyond the reach, and unused
+        room = surface.edge_length.max(axis=1) * (1 + 1e-6)
+        low = np.minimum(np.maximum(near.max(axis=1) - room, 0.0), corners.min(axis=1))
+        high = np.maximum(np.minimum(near.min(axis=1) + room, reach), corners.max(axis=1))
+        low, high = np.minimum(low, limit), np.minimum(high, limit)
+        if mask is None:
+            return low, high
+        least, most = mask.span()
+        return np.where(most <= level, low, -high), np.where(least > level, -low, high)
 
     return SpannedField(field, span)
 

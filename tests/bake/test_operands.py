@@ -152,3 +152,27 @@ def test_langer_lines_are_those_that_a_skin_takes_by_itself():
     own = tension(Skin(), surface, made).angle_rad
     turned = np.sin(made.direction("lines").angle_rad - own)
     np.testing.assert_allclose(turned, 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("mask", ["y > 7", "noise - 0.1"])
+def test_the_side_of_a_border_is_that_of_its_mask_and_the_span_holds_on_coarse_faces(mask):
+    ball = sphere(60.0, subdivisions=1)
+    text = f"""
+    noise = {{ noise = 1, wavelength = 45 }}
+    mask = "{mask}"
+    away = {{ distance_to = "mask" }}
+    near = "clamp(1 - abs(away) / 5, 0, 1)"
+    """
+    made = fields(text, ball)
+    points = points_of(ball)
+    away, inside = made["away"](points), made["mask"](points) > 0.5
+    assert ((away < 0) == inside).all()
+    for name in ("away", "near"):
+        low, high = made[name].span()
+        value = made[name](points)
+        assert (value >= low[points.face] - 1e-9).all()
+        assert (value <= high[points.face] + 1e-9).all()
+    if mask == "y > 7":  # meridians are the shortest ways to a circle of latitude
+        turn = np.arcsin(np.clip(points.positions(ball)[:, 1] / 60, -1, 1)) - np.arcsin(7 / 60)
+        near = np.abs(turn) < 0.3
+        assert np.abs(np.abs(away) - 60 * np.abs(turn))[near].max() < 8
