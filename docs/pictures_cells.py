@@ -80,7 +80,7 @@ def figure_8():
             size = {"size": (340, 340), "zoom": 1.06, **FLAT}
             pictures += growth_frames(maps, recipe.layer[0].material, growth.states, **size)
         potential = np.full((340, 340, 3), 231, np.uint8)
-        potential[32:326, 31:327] = np.kron(rings(148), np.ones((2, 2), np.uint8))[:294, :, None]
+        potential[20:314, 18:314] = np.kron(rings(148), np.ones((2, 2), np.uint8))[:294, :, None]
         both = np.clip(0.62 * pictures[1] + 0.5 * potential, 0, 255).astype(np.uint8)
         labels = ["(a) constant force", "(b) potential", "(c) under it", "(d) (b) and (c)"]
         save(contact_sheet([pictures[0], potential, pictures[1], both], labels, columns=4), "cells-figure-8")
