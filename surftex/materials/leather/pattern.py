@@ -133,10 +133,7 @@ class LeatherPattern:
                 where = SurfacePoints.trusted(
                     np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
                 )
-                buckets = Buckets.of(surface, width)
-                points[kind] = flood_points(
-                    surface, where, _FLOODED * width, buckets=buckets, threads=threads
-                )
+                points[kind] = flood_points(surface, where, _FLOODED * width, threads=threads)
         return LeatherPattern(
             leather, surface, MappingProxyType(dict(features)),
             Cells.build(leather, surface, features["cell"], stream(seed, "leather", "borders"), records, threads),
