@@ -276,7 +276,7 @@ class Page:
     def _build(self) -> None:
         """Write the page."""
         from trame.ui.vuetify3 import VAppLayout
-        from trame.widgets import html
+        from trame.widgets import client, html
         from trame.widgets import vuetify3 as v
 
         desk, server = self.desk, self.server
@@ -291,6 +291,7 @@ class Page:
         server.trigger("save")(lambda: desk.do("save", self.save_as, overwrite=True))
         look = "position:fixed;inset:0;overflow:hidden;display:flex;background:#202022;color:#e8e6e2;font-family:sans-serif"
         with VAppLayout(server, theme="dark") as layout, html.Div(style=look, id="preview"):
+            client.Style("html { overflow: hidden !important }")
             with html.Div(style="flex:1;position:relative;min-width:0"):
                 html.Img(
                     src=("picture",), id="view", draggable="false", style="width:100%;height:100%;object-fit:contain",
@@ -308,7 +309,9 @@ class Page:
                 ):
                     html.Div("{{ message }}", style="font-size:12px")
                     html.Div(v_html=("section",))
-            with html.Div(style="width:372px;padding:12px;overflow-y:auto;flex:none", id="panel"):
+            with html.Div(
+                style="width:372px;padding:12px;flex:none;display:flex;flex-direction:column", id="panel"
+            ):
                 html.Div(f"{desk.surface.name}", style="font-size:18px;font-weight:600")
                 html.Div("{{ message }}", id="message", style="font-size:13px;opacity:.7;min-height:20px")
                 v.VProgressLinear(indeterminate=True, v_show=("busy",), height=2, color="#cc7338")
@@ -339,12 +342,18 @@ class Page:
                     )  # fmt: skip
                 v.VSelect(
                     model_value=("preset",), items=("presets",), label="preset", density="compact", id="preset",
-                    hide_details=True, variant="outlined", style="margin:8px 0",
+                    hide_details=True, variant="outlined", style="margin:8px 0;flex:none",
                     update_modelValue="trigger('do', ['preset', $event, layer])",
                 )  # fmt: skip
                 _chips(html, v, "groups", "each === group", "trigger('choose', ['group', each])")
-                with html.Div(
-                    v_for="row in rows", key="row.key + row.part", style="margin:6px 0", title=("row.hint",)
+                with (
+                    html.Div(style="flex:1;overflow-y:auto;min-height:0;padding-right:6px"),
+                    html.Div(
+                        v_for="row in rows",
+                        key="row.key + row.part",
+                        style="margin:6px 0",
+                        title=("row.hint",),
+                    ),
                 ):
                     with html.Div(style="display:flex;justify-content:space-between;font-size:13px"):
                         html.Span("{{ row.label }}", style="opacity:.7")
