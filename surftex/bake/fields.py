@@ -1,6 +1,6 @@
 """The fields of a recipe, made on a surface: pictures and strokes are read here, all else computes itself."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +52,7 @@ from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
     from surftex.fields.vectors import VectorField
+    from surftex.files.strokes import Stroke
     from surftex.geodesics.directions import DirectionField
 
 Made = Callable[[], "DirectionField | VectorField"]
@@ -193,11 +194,31 @@ def _drawn(path: str, surface: Surface) -> Any:
     from surftex.geodesics.paths import polyline
 
     read = read_strokes(path, surface)
-    lines = [stroke.points for stroke in read.strokes if len(stroke.points) > 1]
+    lines = [stroke.points for stroke in _lines(read.strokes, path, surface)]
     single = [stroke.points for stroke in read.strokes if len(stroke.points) == 1] + [*read.points.values()]
     number = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
     pieces, _ = polyline(surface, _joined(lines), number)
     return pieces, _joined(single)
+
+
+def _lines(strokes: "Sequence[Stroke]", path: str, surface: Surface) -> "list[Stroke]":
+    """Strokes of two points or more; each must lead somewhere, and stay on one piece of the mesh."""
+    for i, stroke in enumerate(strokes):
+        if len(stroke.points) < 2:
+            continue
+        where = f"{Path(path).name}: strokes[{i}]"
+        if np.ptp(stroke.points.positions(surface), axis=0).max() <= 1e-6 * surface.mean_edge_mm:
+            raise RecipeError(
+                f"{where} has no length: its {len(stroke.points)} places are one on the surface"
+            )
+        component = surface.component[stroke.points.face]
+        if (component != component[0]).any():
+            at = int(np.argmax(component != component[0]))
+            raise RecipeError(
+                f"{where} leads from one piece of the mesh to another, which is not joined to it, between its places "
+                f"{at} and {at + 1}; draw a stroke on each"
+            )
+    return [stroke for stroke in strokes if len(stroke.points) > 1]
 
 
 def _joined(points: list[SurfacePoints]) -> SurfacePoints:
@@ -271,7 +292,7 @@ def _curves(entry: CurvesEntry | FaceLinesEntry, surface: Surface) -> Callable[[
         return lambda: face_lines(surface, picks, entry.face_lines, width=entry.width, depth=entry.depth)
     from surftex.files.strokes import read_strokes
 
-    strokes = [stroke for stroke in read_strokes(entry.curves, surface).strokes if len(stroke.points) > 1]
+    strokes = _lines(read_strokes(entry.curves, surface).strokes, entry.curves, surface)
     if not strokes:
         raise RecipeError(f"{Path(entry.curves).name} holds no stroke of two points or more")
 

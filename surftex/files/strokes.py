@@ -39,6 +39,12 @@ from surftex.surface.surface import Surface
 LARGEST_BYTES = 64 * 2**20
 """Longest file that is read."""
 
+VERSION = 1
+"""Of the file, its ``surftex``; without one it counts as this."""
+
+WIDEST_MM = 1000.0
+"""Greatest ``width_mm`` and ``depth_mm`` of a stroke."""
+
 MOST_PLACES = 1_000_000
 """Most places in a file."""
 
@@ -96,10 +102,14 @@ def read_strokes(path: str | Path, surface: Surface) -> Strokes:
     Raises
     ------
     RecipeError
-        If the file cannot be read, or a place is none or far from the surface; with file and key.
+        If the file cannot be read or is of another version, a place is none or far from the surface, or a width or depth
+        has no sense; with file and key.
     """
     file = Path(path)
     content = _content(file)
+    if (version := content.get("surftex", VERSION)) != VERSION:
+        told = printable(repr(version), longest=40)
+        raise RecipeError(f"{file.name}: surftex is {told}; this program reads strokes of surftex {VERSION}")
     places = _Places(file.name, surface, content.get("faces"))
     lines = content.get("strokes", [])
     spots = content.get("points", {})
@@ -122,6 +132,7 @@ def read_strokes(path: str | Path, surface: Surface) -> Strokes:
             for name, value in table.items()
             if name not in ("points", "name")
         }
+        _check_size(numbers, f"{file.name}: {key}")
         found.append((first, places.count, printable(str(table.get("name", "")), longest=80), numbers))
     named = (
         spots.items() if isinstance(spots, dict) else ((str(k + 1), place) for k, place in enumerate(spots))
@@ -166,7 +177,7 @@ def write_strokes(
         for stroke in strokes
     ]
     spots = {name: _written(surface, place)[0] for name, place in (points or {}).items()}
-    content = {"surftex": 1, "faces": len(surface.faces), "strokes": lines, "points": spots}
+    content = {"surftex": VERSION, "faces": len(surface.faces), "strokes": lines, "points": spots}
     text = json.dumps(content, indent=1, allow_nan=False)
     file = Path(path)
     try:
@@ -280,6 +291,14 @@ def _finite(value: Any, where: str) -> float:
             pass
         raise RecipeError(f"{where}: {value!r:.40} is not finite")
     raise RecipeError(f"{where}: {printable(repr(value), longest=40)} is no number")
+
+
+def _check_size(numbers: Mapping[str, float], where: str) -> None:
+    width, depth = numbers.get("width_mm", 1.0), numbers.get("depth_mm", 0.0)
+    if not 0 < width <= WIDEST_MM:
+        raise RecipeError(f"{where}.width_mm is {width:g}; it takes more than 0 and at most {WIDEST_MM:g}")
+    if not 0 <= depth <= WIDEST_MM:
+        raise RecipeError(f"{where}.depth_mm is {depth:g}; it takes 0 to {WIDEST_MM:g}")
 
 
 def _part(points: SurfacePoints, first: int, last: int) -> SurfacePoints:

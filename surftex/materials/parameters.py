@@ -3,7 +3,7 @@
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from surftex.errors import RecipeError
 from surftex.units import length_mm
@@ -31,6 +31,12 @@ def _number_or_expression(value: Any) -> Any:
             return length_mm(value)
         except RecipeError:
             return value
+    return value
+
+
+def _rising(value: tuple[float, float]) -> tuple[float, float]:
+    if value[0] > value[1]:
+        raise ValueError(f"[{value[0]:g}, {value[1]:g}] falls; write the least before the greatest")
     return value
 
 
@@ -72,8 +78,11 @@ Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Color = Annotated[tuple[Share, Share, Share], BeforeValidator(_color)]
 """Linear sRGB; text is '#rrggbb' as screens show it."""
 
-LengthRange = tuple[Length, Length]
-"""Two lengths: least and greatest of a uniform draw, or mean and standard deviation of a normal one."""
+LengthDraw = tuple[Length, Length]
+"""Mean and standard deviation of a normal draw."""
 
-AmountRange = tuple[Amount, Amount]
+LengthRange = Annotated[tuple[Length, Length], AfterValidator(_rising)]
+"""Least and greatest length of a uniform draw."""
+
+AmountRange = Annotated[tuple[Amount, Amount], AfterValidator(_rising)]
 """Least and greatest of a uniform draw."""

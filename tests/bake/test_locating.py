@@ -53,3 +53,16 @@ def test_no_lines_of_the_face_are_refused_where_they_are_written():
     text = FIELDS + '[fields.lines]\nface_lines = []\nlandmarks = "a.json"'
     with pytest.raises(InputError, match=r"^shoe.toml:12: fields.lines.face_lines: "):
         recipe_from_text(text, name="shoe.toml")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("up = [0, 0, 0]", r"up: \[0.0, 0.0, 0.0\] is no direction"),
+        ("mole_height = [1.0, 0.2]", r"mole_height: \[1, 0.2\] falls"),
+        ("freckle_melanin = [0.2, 0.1]", r"freckle_melanin: \[0.2, 0.1\] falls"),
+    ],
+)
+def test_values_without_sense_are_refused_where_they_are_written(line, message):
+    with pytest.raises(InputError, match=rf"^shoe.toml:11: layer.{message}"):
+        recipe_from_text(FIELDS + line, name="shoe.toml")

@@ -176,3 +176,20 @@ def test_the_side_of_a_border_is_that_of_its_mask_and_the_span_holds_on_coarse_f
         turn = np.arcsin(np.clip(points.positions(ball)[:, 1] / 60, -1, 1)) - np.arcsin(7 / 60)
         near = np.abs(turn) < 0.3
         assert np.abs(np.abs(away) - 60 * np.abs(turn))[near].max() < 8
+
+
+@pytest.mark.parametrize(
+    ("stroke", "message"),
+    [
+        ([[1, 1, 0], [1, 1, 0]], r"r.toml:2: fields.c: s.json: strokes\[0\] has no length"),
+        ([[1, 1, 0], [2, 1, 0], [32, 1, 0]], r"strokes\[0\] leads from one piece .* places 2 and 3"),
+    ],
+)
+@pytest.mark.parametrize("entry", ['{ curves = "s.json" }', '{ distance_to = "s.json" }'])
+def test_strokes_that_lead_nowhere_are_refused(tmp_path, stroke, message, entry):
+    one = plane(10.0, cells=2)
+    vertices = np.concatenate([one.vertices, one.vertices + np.array([30.0, 0.0, 0.0])])
+    surface = Surface.from_arrays(vertices, np.concatenate([one.faces, one.faces + len(one.vertices)]))
+    (tmp_path / "s.json").write_text(json.dumps({"strokes": [stroke]}))
+    with pytest.raises(RecipeError, match=message):
+        fields(f"c = {entry}", surface, tmp_path)

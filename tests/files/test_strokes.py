@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from surftex.errors import WorkError
+from surftex.errors import RecipeError, WorkError
 from surftex.features.uniform import scatter
 from surftex.files.strokes import Stroke, read_strokes, write_strokes
 from surftex.randomness import stream
@@ -52,3 +52,18 @@ def test_points_may_be_a_list_and_coordinates_are_the_files_own(tmp_path):
 def test_a_file_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(WorkError, match="cannot be written"):
         write_strokes(tmp_path / "none" / "a.json", ball(1))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({"surftex": 99, "points": [[0.025, 0, 0.1]]}, "a.json: surftex is 99; this program reads"),
+        ({"strokes": [{"points": [[0.025, 0, 0.1]], "width_mm": 0}]}, r"a.json: strokes\[0\].width_mm is 0;"),
+        ({"strokes": [{"points": [[0.025, 0, 0.1]], "width_mm": 1e9}]}, r"width_mm is 1e\+09; it takes"),
+        ({"strokes": [{"points": [[0.025, 0, 0.1]], "depth_mm": -1}]}, r"depth_mm is -1; it takes 0 to 1000"),
+    ],
+)
+def test_strokes_without_sense_are_refused(tmp_path, content, message):
+    (tmp_path / "a.json").write_text(json.dumps(content))
+    with pytest.raises(RecipeError, match=message):
+        read_strokes(tmp_path / "a.json", ball(1))

@@ -176,7 +176,7 @@ def doubled(name):
 
 
 def is_length(field):
-    if field.annotation in (parameters.LengthRange, parameters.LengthField.__origin__):
+    if field.annotation in (parameters.LengthDraw, parameters.LengthField.__origin__):
         return True
     return any(
         getattr(mark, "func", None) is parameters.Length.__metadata__[0].func for mark in field.metadata

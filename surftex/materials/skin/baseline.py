@@ -70,7 +70,7 @@ class Baseline:
         }
         up = np.asarray(skin.up, np.float64)
         length = np.linalg.norm(up)
-        facing = surface.vertex_normal @ (up / length if length > 0 else up)
+        facing = surface.vertex_normal @ (up / length)
         convex = curvature_field(surface, "convex", skin.flush_radius) if skin.flush > 0 else None
         return Baseline(skin, surface, seed, fields, convex, np.clip(facing + 0.3, 0, 1)[:, None])
 

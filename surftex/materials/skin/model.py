@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from surftex.fields.splines import Profile
 from surftex.materials.parameters import (
@@ -12,6 +12,7 @@ from surftex.materials.parameters import (
     AmountRange,
     Color,
     Length,
+    LengthDraw,
     LengthRange,
     NumberField,
     PositiveLength,
@@ -90,7 +91,7 @@ class Skin(BaseModel):
     cyst_count: Count = _count("cyst", "small bumps without pigment")
     cyst_density: Amount = _density("cyst", "bumps")
     cyst_where: Mask = _where("cyst", "bumps")
-    cyst_radius: LengthRange = _field((0.35, 0.15), "cyst", "Radius of a bump.")
+    cyst_radius: LengthDraw = _field((0.35, 0.15), "cyst", "Radius of a bump.")
     cyst_height: LengthRange = _field((0.0, 0.06), "cyst", "Rise of a bump.")
     cyst_profile: Profile = _field("sigmoid", "cyst", "Shape of a bump.")
 
@@ -100,7 +101,7 @@ class Skin(BaseModel):
     mole_points: str | None = _field(
         None, "mole", "Field of the recipe that is the distance to places of a file: there is a mole at each."
     )
-    mole_radius: LengthRange = _field((0.9, 0.5), "mole", "Radius of a mole.")
+    mole_radius: LengthDraw = _field((0.9, 0.5), "mole", "Radius of a mole.")
     mole_melanin: AmountRange = _field((0.12, 0.4), "mole", "Melanosomes that the middle of a mole adds.")
     mole_height: LengthRange = _field((0.2, 1.0), "mole", "Rise of a mole, times the melanosomes it adds.")
     mole_irregularity: Share = _field(0.3, "mole", "How uneven the outline of a mole is.")
@@ -116,7 +117,7 @@ class Skin(BaseModel):
         gt=0,
         le=20,
     )
-    freckle_radius: LengthRange = _field((0.8, 0.45), "freckle", "Radius of a freckle.")
+    freckle_radius: LengthDraw = _field((0.8, 0.45), "freckle", "Radius of a freckle.")
     freckle_melanin: AmountRange = _field((0.0, 0.05), "freckle", "Melanosomes that its middle adds.")
     freckle_pheomelanin: Share = _field(
         0.3, "freckle", "Pheomelanin that it adds, times its melanosomes and a random share."
@@ -143,7 +144,7 @@ class Skin(BaseModel):
     pore_count: Count = _count("pore", "pores")
     pore_density: Amount = _field(0.9, "pore", "Further pores, per mm^2.")
     pore_where: Mask = _where("pore", "pores")
-    pore_radius: LengthRange = _field((0.13, 0.035), "pore", "Radius of a pore.")
+    pore_radius: LengthDraw = _field((0.13, 0.035), "pore", "Radius of a pore.")
     pore_depth: LengthRange = _field((0.02, 0.09), "pore", "Depth of a pore.")
     pore_lean: float = _field(
         1.35, "pore", "Length of a pore over its width, along the furrows.", ge=1, le=10
@@ -155,7 +156,7 @@ class Skin(BaseModel):
     pock_count: Count = _count("pock", "pock marks")
     pock_density: Amount = _density("pock", "pock marks")
     pock_where: Mask = _where("pock", "pock marks")
-    pock_radius: LengthRange = _field((0.8, 0.35), "pock", "Radius of a pock mark.")
+    pock_radius: LengthDraw = _field((0.8, 0.35), "pock", "Radius of a pock mark.")
     pock_depth: LengthRange = _field((0.08, 0.3), "pock", "Depth of a pock mark.")
     pock_irregularity: Share = _field(0.35, "pock", "How uneven its outline is.")
     pock_profile: Profile = _field("crater", "pock", "Shape of a pock mark.")
@@ -163,7 +164,7 @@ class Skin(BaseModel):
     scar_count: Count = _count("scar", "scars")
     scar_density: Amount = _density("scar", "scars")
     scar_where: Mask = _where("scar", "scars")
-    scar_radius: LengthRange = _field((3.0, 1.5), "scar", "Radius of a disc as large as a scar.")
+    scar_radius: LengthDraw = _field((3.0, 1.5), "scar", "Radius of a disc as large as a scar.")
     scar_lean: float = _field(6.0, "scar", "Length of a scar over its width.", ge=1, le=20)
     scar_depth: LengthRange = _field((0.05, 0.15), "scar", "Depth of a scar.")
     scar_pallor: Share = _field(0.55, "scar", "Share of melanin and blood that it lacks.")
@@ -173,7 +174,7 @@ class Skin(BaseModel):
     goose_count: Count = _count("goose", "goose bumps")
     goose_density: Amount = _density("goose", "goose bumps")
     goose_where: Mask = _where("goose", "goose bumps")
-    goose_radius: LengthRange = _field((0.9, 0.15), "goose", "Radius of a goose bump.")
+    goose_radius: LengthDraw = _field((0.9, 0.15), "goose", "Radius of a goose bump.")
     goose_height: LengthRange = _field((0.1, 0.3), "goose", "Rise of a goose bump.")
     goose_profile: Profile = _field("dome", "goose", "Shape of a goose bump.")
 
@@ -233,6 +234,13 @@ class Skin(BaseModel):
         "Kinds of points from the first to the last: the later see what the earlier left.",
         validate_default=True,
     )
+
+    @field_validator("up")
+    @classmethod
+    def _some_way(cls, value: tuple[float, float, float]) -> tuple[float, float, float]:
+        if not 0 < float(np.linalg.norm(value)) < np.inf:
+            raise ValueError(f"{list(value)} is no direction; write three numbers such as [0, 1, 0]")
+        return value
 
     @staticmethod
     def preset(name: str, **changes: Any) -> "Skin":
