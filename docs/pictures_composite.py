@@ -7,6 +7,7 @@ that of benchmarks/quilting.py. Docstrings are captions.
 import itertools
 import os
 import sys
+import tempfile
 import time
 from functools import cache
 from pathlib import Path
@@ -26,8 +27,6 @@ from surftex.recipe.read import recipe_from_text
 from surftex.surface.surface import Surface
 
 EXEMPLARS = Path(os.environ.get("SURFTEX_SHARED", HERE.parent.parent / "shared")) / "exemplars"
-WORK = Path(os.environ.get("SURFTEX_PICTURES_WORK", HERE / "pictures"))
-"""Where models of the pictures are kept while they are made."""
 
 
 def exemplar(name, by, side=256):
@@ -148,7 +147,8 @@ def column_mesh(height=480.0, sections=96):
 
 def column():
     """The breccia on a column, whose cracks have grown at its foot; and near."""
-    model = WORK / "breccia.stex"
+    folder = tempfile.TemporaryDirectory()
+    model = Path(folder.name) / "breccia.stex"
     breccia_model().save(model)
     recipe = recipe_from_text(f"""
     [fields]
@@ -164,7 +164,7 @@ def column():
     relief = "0.8 mm"
     """, allow_outside=True)  # fmt: skip
     maps = run(_with(recipe, 1024), column_mesh()).maps
-    model.unlink()
+    folder.cleanup()
     pictures = [
         render(maps, size=(420, 640), view=(20, 8), up="y"),
         render(maps, size=(420, 640), view=(20, 8), up="y", zoom=3.2, target=(0, 90, 45)),
