@@ -31,8 +31,8 @@ def _length(value: Any) -> Any:
         raise ValueError(str(problem)) from None
 
 
-Millimetres = Annotated[float, BeforeValidator(_length), Field(allow_inf_nan=False)]
-PositiveMillimetres = Annotated[float, BeforeValidator(_length), Field(gt=0, allow_inf_nan=False)]
+Millimetres = Annotated[float, BeforeValidator(_length), Field(ge=-1e7, le=1e7, allow_inf_nan=False)]
+PositiveMillimetres = Annotated[float, BeforeValidator(_length), Field(gt=0, le=1e7, allow_inf_nan=False)]
 Number = Annotated[StrictFloat | StrictInt, Field(allow_inf_nan=False)]
 Axis = Annotated[tuple[Number, Number, Number], Field(description="Direction in the file's axes.")]
 

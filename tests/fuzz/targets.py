@@ -200,23 +200,26 @@ def skin_table(folder: Path, number: int) -> None:
 
 
 def texture(folder: Path, number: int) -> None:
-    """Files of learnt textures, and pictures drawn from what passes."""
+    """Files of learnt textures, labels and composites, and pictures drawn from what passes."""
     from surftex.exemplar.store import _MAGIC, as_json, load_model, packed
 
     path = folder / ("a.json" if number % 3 == 1 else "a.stex")
+    model = learnt(("texture", "labels", "composite")[number // 3 % 3])
     if number % 3 == 0:
-        path.write_bytes(damaged(packed(learnt()), "texture", number))
+        path.write_bytes(damaged(packed(model), "texture", number))
     elif number % 3 == 1:
-        path.write_text(json.dumps(changed(json.loads(as_json(learnt())), number)))
+        path.write_text(json.dumps(changed(json.loads(as_json(model)), number)))
     else:
-        content = zlib.decompress(packed(learnt())[len(_MAGIC) :])
+        content = zlib.decompress(packed(model)[len(_MAGIC) :])
         size = int.from_bytes(content[:4], "little")
         head, body = json.loads(content[4 : 4 + size]), content[4 + size :]
         text = json.dumps(changed(head, number)).encode() if number % 2 else content[4 : 4 + size]
         body = damaged(body, "texture body", number)
         path.write_bytes(_MAGIC + zlib.compress(len(text).to_bytes(4, "little") + text + body))
-    drawn = load_model(path).maps(24, 20, 1, sweeps=1, threads=1)
-    assert all(values.dtype == np.uint8 for values in drawn.values())
+    read: Any = load_model(path)
+    some = {} if type(read).__name__ == "LabelModel" else {"sweeps": 1}
+    drawn = read.synthesize(24, 20, 1, threads=1, **some)
+    assert drawn.dtype == np.uint8
 
 
 def picture(folder: Path, number: int) -> None:
@@ -306,11 +309,16 @@ def packed_features(name: str) -> bytes:
 
 
 @cache
-def learnt() -> Any:
+def learnt(kind: str) -> Any:
+    from surftex.exemplar.composite import learn_composite
+    from surftex.exemplar.labels import learn_labels
     from surftex.exemplar.learn import learn_texture
-    from tests.exemplar.pictures import echo
+    from tests.exemplar.pictures import echo, patches, patchwork
 
-    return learn_texture(echo(64), pairs=2, spacings=(1,), radius=3)
+    if kind == "texture":
+        return learn_texture(echo(64), pairs=2, spacings=(1,), radius=3)
+    label = patches(80, 9.0)
+    return learn_labels(label) if kind == "labels" else learn_composite(patchwork(label), label, pairs=2)
 
 
 @cache
