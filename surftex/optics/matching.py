@@ -172,18 +172,33 @@ def _solved(
     if reflectance is None:
         top = s.sum(-1) - channels * fs - ds / dd * (d.sum(-1) - channels * df)
         level = np.clip(top / np.maximum(channels * (ss - ds * ds / dd), 1e-30), 0, 1)
-        for _ in range(
-            channels + 2
-        ):  # channels without diffuse light leave the elimination, and may come back
-            black = d < (df + level * ds)[..., None]
-            if not black.any():
-                break
-            lit, back = channels - black.sum(-1), np.where(black, 0, d).sum(-1)
-            top = s.sum(-1) - channels * fs - ds / dd * (back - lit * df)
-            level = np.clip(top / np.maximum(channels * ss - lit * ds * ds / dd, 1e-30), 0, 1)
+        black = (d < (df + level * ds)[..., None]).any(-1)
+        if black.any():
+            level[black] = _level_beside_black(
+                d[black], s[black].sum(-1), level[black],
+                *(np.broadcast_to(each, level.shape)[black] for each in (dd, df, ds, fs, ss)),
+            )  # fmt: skip
     else:
         level = np.full(d.shape[:2], float(reflectance))
     rest = d - (df + level * ds)[..., None]
     diffuse = np.maximum(rest / dd[..., None], 0)
     cost = (diffuse * (diffuse * dd[..., None] - 2 * rest)).sum(-1) - 2 * f.sum(-1) - 2 * level * s.sum(-1)
     return diffuse, level, cost + channels * (ff + 2 * level * fs + level**2 * ss)
+
+
+def _level_beside_black(
+    d: NDArray[np.float64], s: NDArray[np.float64], level: NDArray[np.float64],
+    dd: NDArray[np.float64], df: NDArray[np.float64], ds: NDArray[np.float64], fs: NDArray[np.float64],
+    ss: NDArray[np.float64],
+) -> NDArray[np.float64]:  # fmt: skip
+    """Reflectance (k,) where channels want less diffuse light than none: they leave the elimination, and may come back.
+
+    d (k, c): products with the diffuse part; s (k,): with the scaled part, all channels together; the rest (k,).
+    """
+    channels = d.shape[1]
+    for _ in range(channels + 2):
+        black = d < (df + level * ds)[:, None]
+        lit, back = channels - black.sum(-1), np.where(black, 0, d).sum(-1)
+        top = s - channels * fs - ds / dd * (back - lit * df)
+        level = np.clip(top / np.maximum(channels * ss - lit * ds * ds / dd, 1e-30), 0, 1)
+    return level
