@@ -211,7 +211,7 @@ def _bake(
     with stages.stage("seams"):
         seam = measured_seams(surface, atlas, pages)
     with stages.stage("scales"):
-        scales = scale_report(surface, recipe)
+        scales = scale_report(surface, recipe, features=stack.features)
     warnings = surface.warnings + unwrapping.notes + atlas.notes + clamped_warnings(pages)
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:

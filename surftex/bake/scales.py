@@ -1,6 +1,10 @@
 """How the detail of a mesh and that of the materials on it fit together: what lies between them, what both may have."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
+
+from numpy.typing import NDArray
 
 from surftex.fields.detail import finest_detail_mm
 from surftex.recipe.model import Recipe
@@ -10,7 +14,9 @@ GAP = 4.0
 """Between the largest feature and the finest detail of a mesh, from which on it is told as a gap."""
 
 
-def scale_report(surface: Surface, *recipes: Recipe) -> dict[str, Any]:
+def scale_report(
+    surface: Surface, *recipes: Recipe, features: Mapping[str, NDArray[Any]] = MappingProxyType({})
+) -> dict[str, Any]:
     """Compare wavelengths.
 
     Parameters
@@ -19,6 +25,8 @@ def scale_report(surface: Surface, *recipes: Recipe) -> dict[str, Any]:
         What is baked.
     *recipes : Recipe
         With what.
+    features : mapping of str to structured array
+        What was placed, as `Stack.features`: curves that were drawn have widths of their own.
 
     Returns
     -------
@@ -31,6 +39,10 @@ def scale_report(surface: Surface, *recipes: Recipe) -> dict[str, Any]:
         known = getattr(layer.material, "wavelengths_mm", None)
         for kind, size in (known() if known is not None else {}).items():
             sizes[kind] = max(size, sizes.get(kind, 0.0))
+    for kind, table in features.items():
+        if len(table) and "width_mm" in (table.dtype.names or ()):
+            name = f"{kind.split('_')[-1]}s"
+            sizes[name] = max(2 * float(table["width_mm"].max()), sizes.get(name, 0.0))
     mesh = finest_detail_mm(surface)
     return {
         "mesh_mm": None if mesh is None else round(mesh, 4),

@@ -44,3 +44,12 @@ def test_a_gap_and_an_overlap_are_told():
     assert "may double scars (30 mm)" in coarse["note"]
     assert coarse["features_mm"]["furrows"] == 0.85
     assert scale_report(sphere(30.0, subdivisions=3), Recipe.of(Skin()))["note"] is None
+
+
+def test_curves_that_were_drawn_and_vessels_count_and_flat_freckles_do_not():
+    skin = Skin(freckle_count=9, vessel_count=2, vessel_width=0.5)
+    drawn = {"wrinkle": np.array([(1.5,), (4.0,)], [("width_mm", "f8")])}
+    sizes = scale_report(sphere(30.0, subdivisions=3), Recipe.of(skin), features=drawn)["features_mm"]
+    assert sizes["wrinkles"] == 8.0
+    assert sizes["vessels"] == 1.0
+    assert "freckles" not in sizes

@@ -295,11 +295,15 @@ class Skin(BaseModel):
         """
         sizes = {"furrows": self.relief_spacing} if self.relief_depth > 0 or self.relief_swell > 0 else {}
         for kind in self.order:
+            if kind == "freckle":
+                continue  # colour alone
             if getattr(self, f"{kind}_count") or getattr(self, f"{kind}_density"):
                 radius = self.follicle_radius if kind == "follicle" else getattr(self, f"{kind}_radius")[0]
                 sizes[f"{kind}s" if kind != "goose" else "goose bumps"] = 2 * radius
-        if self.wrinkle_count or self.wrinkle_density or self.wrinkle_curves:
+        if self.wrinkle_count or self.wrinkle_density:
             sizes["wrinkles"] = 2 * self.wrinkle_width[1]
+        if self.vessel_count or self.vessel_density:
+            sizes["vessels"] = 2 * self.vessel_width
         return sizes
 
     def place(
