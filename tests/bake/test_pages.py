@@ -107,7 +107,7 @@ def test_features_of_each_layer_are_handed_back_to_it():
 
 def test_a_layer_that_does_not_fit_is_named():
     surface = sphere(20.0, subdivisions=2)
-    with pytest.raises(RecipeError, match=r"^layer\[2\]: the mesh has no part 'lid'"):
+    with pytest.raises(RecipeError, match=r"^layer\[2\].mask: the mesh has no part 'lid'"):
         stacked(surface, Layer(material=Waves()), Layer(material=Waves(), mask="part('lid')"))
     recipe = Recipe(layer=(Layer(material=Waves()),), bake={"max_features": 3})
     with pytest.raises(RecipeError, match=r"^layer: 20 spots are more than max_features = 3"):
