@@ -49,16 +49,27 @@ def four(picture, **options):
     return [picture, *drawn, quilt(picture, width, height, 1)]
 
 
-def plain():
-    """Exemplar; drawn from pairs; from pairs and fours; quilted. Gravel, brick, grass, gingham."""
-    pictures = [
-        *four(exemplar("gravel_skimage.png", 2)),
-        *four(exemplar("brick_skimage.png", 2)),
-        *four(grass()),
-        *four(exemplar("fabric_pattern_07_col.jpg", 4), radius=40, spacings=(1, 2, 4, 8)),
-    ]
+def side_by_side(pictures, name):
+    """Rows of exemplar, pairs, fours, quilting."""
     names = ("exemplar", "pairs", "pairs and fours", "quilting, which copies")
-    save(contact_sheet(pictures, names * 4, columns=4), "textures-plain")
+    save(contact_sheet(pictures, names * (len(pictures) // 4), columns=4), name)
+
+
+def plain():
+    """Exemplar; drawn from pairs; from pairs and fours; quilted. Gravel and brick."""
+    pictures = [*four(exemplar("gravel_skimage.png", 2)), *four(exemplar("brick_skimage.png", 2))]
+    side_by_side(pictures, "textures-plain")
+
+
+def lawn():
+    """The same of grass."""
+    side_by_side(four(np.ascontiguousarray(grass()[:192, :192])), "textures-grass")
+
+
+def weave():
+    """The same of gingham, with longer pairs and fours."""
+    cloth = exemplar("fabric_pattern_07_col.jpg", 4, 192)
+    side_by_side(four(cloth, radius=40, spacings=(1, 2, 4, 8)), "textures-weave")
 
 
 def knitted():
@@ -202,7 +213,9 @@ def _with(recipe, resolution):
     return sx.Recipe.of(recipe, resolution=resolution)
 
 
-PICTURES = {each.__name__: each for each in (plain, knitted, landscape, eroded, column, bust, fabric)}
+PICTURES = {
+    each.__name__: each for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric)
+}
 
 
 def main():
