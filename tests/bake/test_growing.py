@@ -9,6 +9,7 @@ import pytest
 from surftex.bake.bake import run
 from surftex.bake.growing import Growth
 from surftex.errors import InputError
+from surftex.features.growth_surface import SurfaceGround
 from surftex.files.features import load_features, save_features
 from surftex.recipe.model import Recipe
 from surftex.surface.shapes import sphere
@@ -62,6 +63,23 @@ def test_a_growth_that_is_cut_off_goes_on_to_the_same_bytes(ball, whole, tmp_pat
     for kind in ("particle", "cell"):
         np.testing.assert_array_equal(grown[kind], whole[kind])
     np.testing.assert_array_equal(load_features(path)["particle"], whole["particle"])
+
+
+def test_a_growth_that_is_cut_off_in_the_middle_of_a_move_goes_on_too(ball, whole, tmp_path, monkeypatch):
+    path, move, calls = tmp_path / "growth.npz", SurfaceGround.move, []
+
+    def cut(*arguments):
+        move(*arguments)
+        calls.append(1)
+        if len(calls) == 58:  # of a generation without births, whose arrays are those of the one before
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(SurfaceGround, "move", cut)
+    with pytest.raises(KeyboardInterrupt, match="interrupted in generation 57"):
+        run(recipe(), ball, growth=Growth(path))
+    monkeypatch.undo()
+    grown = run(recipe(), ball, growth=Growth(path)).maps.features
+    np.testing.assert_array_equal(grown["particle"], whole["particle"])
 
 
 def test_a_finished_growth_grows_older_or_is_carved_anew(ball, whole, tmp_path):

@@ -70,6 +70,13 @@ def test_a_usual_growth_has_the_densities_of_leather(usual):
     assert 0.45 < facts["area_cv"] < 0.65
 
 
+def test_hardly_any_four_lone_triangles_meet(usual):
+    corner, sides = usual.features["cell"]["corner"], usual.features["cell"]["sides"]
+    lone = np.bincount(corner[sides == 3][:, :3].ravel())
+    assert (lone >= 4).mean() < 0.01
+    assert lone.max() < 5
+
+
 @pytest.mark.parametrize(("changes", "least"), [({"attraction": 1.0}, 0.9), ({"life": 110}, 0.8)])
 def test_pulling_together_or_dying_early_makes_large_cells(changes, least, usual):
     facts = cell_statistics(Cells(cell_size=1.0, blob_density=0.0, **changes).tile(25.0, 3).features["cell"])
