@@ -1,5 +1,7 @@
 """The border of a mask as curves on the surface: where a field crosses a level."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,9 @@ _INWARD = 1e-3
 """How far the corners of a triangle are moved towards its middle, so that they belong to it alone."""
 
 _MOST_TRIANGLES = 2_000_000
+
+_HALVINGS = 12
+"""Of an edge that crosses the level, until the place is known; masks may be steps."""
 
 
 def contour(
@@ -45,12 +50,11 @@ def contour(
     fine = _cut(surface, surface.mean_edge_mm / 3 if edge_mm is None else edge_mm)
     inward = (1 - _INWARD) * fine.weight + _INWARD * fine.weight.mean(axis=1, keepdims=True)
     points = SurfacePoints.trusted(np.repeat(fine.parent, 3), inward.reshape(-1, 3))
-    value = np.asarray(field(points), np.float64).reshape(-1, 3) - level
-    inside = value > 0
+    inside = (np.asarray(field(points), np.float64) > level).reshape(-1, 3)
     if inside.all() or not inside.any():
         side = "above" if inside.all() else "below"
         raise RecipeError(f"it has no border: it is {side} {level:g} everywhere")
-    parts = [_crossings(fine, value, inside), _jumps(fine, inside)]
+    parts = [_crossings(fine, lambda points: field(points) > level, inside), _jumps(fine, inside)]
     face, start, end = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     corner = surface.flat[face]
     begin, finish = (np.einsum("pk,pki->pi", weights, corner) for weights in (start, end))
@@ -69,24 +73,29 @@ def _cut(surface: Surface, edge_mm: float) -> Subdivided:
 Parts = tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]
 
 
-def _crossings(fine: Subdivided, value: NDArray[np.float64], inside: NDArray[np.bool_]) -> Parts:
+def _crossings(
+    fine: Subdivided, within: Callable[[SurfacePoints], NDArray[np.bool_]], inside: NDArray[np.bool_]
+) -> Parts:
     """Straight pieces inside the triangles that have both sides."""
     count = inside.sum(axis=1)
     mixed = np.flatnonzero((count == 1) | (count == 2))
     lone = np.where(count[mixed] == 1, inside[mixed].argmax(axis=1), (~inside[mixed]).argmax(axis=1))
     rows = np.arange(len(mixed))
     onward, back = (lone + 1) % 3, (lone + 2) % 3
-    weight, own = fine.weight[mixed], value[mixed]
-    here = own[rows, lone]
+    weight, parent, here = fine.weight[mixed], fine.parent[mixed], inside[mixed, lone]
 
     def crossing(other: NDArray[np.int64]) -> NDArray[np.float64]:
-        share = (here / (here - own[rows, other]))[:, None]
-        return weight[rows, lone] + share * (weight[rows, other] - weight[rows, lone])
+        start, end = weight[rows, lone], weight[rows, other]
+        for _ in range(_HALVINGS):
+            middle = (start + end) / 2
+            alike = (within(SurfacePoints.trusted(parent, middle)) == here)[:, None]
+            start, end = np.where(alike, middle, start), np.where(alike, end, middle)
+        return (start + end) / 2
 
     first, second = crossing(onward), crossing(back)
     # around a lone corner that is inside, the inside is left of the way from the onward edge to the other
     turned = (count[mixed] == 2)[:, None]
-    return fine.parent[mixed], np.where(turned, second, first), np.where(turned, first, second)
+    return parent, np.where(turned, second, first), np.where(turned, first, second)
 
 
 def _jumps(fine: Subdivided, inside: NDArray[np.bool_]) -> Parts:

@@ -164,7 +164,7 @@ def test_the_side_of_a_border_is_that_of_its_mask_and_the_span_holds_on_coarse_f
     near = "clamp(1 - abs(away) / 5, 0, 1)"
     """
     made = fields(text, ball)
-    points = points_of(ball)
+    points = points_of(ball, 6000)
     away, inside = made["away"](points), made["mask"](points) > 0.5
     assert ((away < 0) == inside).all()
     for name in ("away", "near"):
@@ -175,7 +175,10 @@ def test_the_side_of_a_border_is_that_of_its_mask_and_the_span_holds_on_coarse_f
     if mask == "y > 7":  # meridians are the shortest ways to a circle of latitude
         turn = np.arcsin(np.clip(points.positions(ball)[:, 1] / 60, -1, 1)) - np.arcsin(7 / 60)
         near = np.abs(turn) < 0.3
-        assert np.abs(np.abs(away) - 60 * np.abs(turn))[near].max() < 8
+        assert np.abs(np.abs(away) - 60 * np.abs(turn))[near].max() < 5
+        assert (
+            np.abs(away)[np.abs(points.positions(ball)[:, 1] - 7) < 0.3].max() < 0.6
+        )  # no jump where it changes its sign
 
 
 @pytest.mark.parametrize(
