@@ -98,6 +98,7 @@ def load_features(path: str | Path, *, max_bytes: int = MAX_BYTES) -> dict[str, 
 def _read(where: str, kind: str, archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
     """Read one array; its header must agree with its size before memory is given to it."""
     import zlib
+    from tokenize import TokenError
 
     try:
         with archive.open(entry) as stream:
@@ -113,7 +114,7 @@ def _read(where: str, kind: str, archive: zipfile.ZipFile, entry: zipfile.ZipInf
                     f"{where}: says {shape[0]} rows of {dtype.itemsize} bytes, holds {size} bytes"
                 )
             data = stream.read(size + 1)
-    except (ValueError, SyntaxError, TypeError, zlib.error, MemoryError) as problem:
+    except (ValueError, SyntaxError, TypeError, TokenError, zlib.error, MemoryError) as problem:
         raise InputError(f"{where}: no readable array: {_line(problem)}") from None
     if len(data) != size:
         raise InputError(f"{where}: says {size} bytes, holds {len(data)}")

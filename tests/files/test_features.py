@@ -71,6 +71,7 @@ DESCR = PORE.descr
 BAD = {
     "pickle": npy(pickle.dumps([print]), {"descr": "|O", "fortran_order": False, "shape": (1,)}),
     "object field": npy(b"x" * 8, {"descr": [("face", "|O")], "fortran_order": False, "shape": (1,)}),
+    "header that does not end": npy(b"x" * 32, "{'descr': '<i4', 'shape': (1,"),
     "huge count": npy(b"x" * 32, {"descr": DESCR, "fortran_order": False, "shape": (10**15,)}),
     "negative count": npy(b"x" * 32, {"descr": DESCR, "fortran_order": False, "shape": (-1,)}),
     "huge header": npy(
