@@ -54,13 +54,14 @@ def _queue(size: int) -> tuple[NDArray[Any], ...]:
 
 def _side_by_side(surface: Surface, face: NDArray[np.int32]) -> NDArray[np.int64]:
     """Order of sources that keeps neighbours together (Morton's): what one has read of the mesh, the next finds at hand."""
-    middle = surface.vertices[surface.faces[face]].mean(axis=1)
     low = surface.vertices.min(axis=0)
-    cell = ((middle - low) * (1023.0 / np.ptp(surface.vertices, axis=0).max())).astype(np.int64)
-    key = np.zeros(len(face), np.int64)
+    per_cell = 1023.0 / np.ptp(surface.vertices, axis=0).max()
+    cell = ((surface.vertices[surface.faces[face, 0]] - low) * per_cell).astype(np.int64)
+    number = np.arange(1024)
+    spread = np.zeros(1024, np.int64)
     for bit in range(10):
-        for axis in range(3):
-            key |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
+        spread |= (number >> bit & 1) << 3 * bit
+    key = spread[cell[:, 0]] | spread[cell[:, 1]] << 1 | spread[cell[:, 2]] << 2
     return np.argsort(key, kind="stable")
 
 
