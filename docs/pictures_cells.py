@@ -165,8 +165,10 @@ def bellows():
     creases = {
         "wrinkle_density": 0.3,
         "wrinkle_length": "90 mm",
-        "wrinkle_width": "3.5 mm",
-        "wrinkle_depth": "0.8 mm",
+        "wrinkle_width": "4 mm",
+        "wrinkle_depth": "0.4 mm",
+        "relief": 0.09,
+        "color": "#4a2f22",
     }
     cells = sx.Cells.preset("travel", cell_size="5 mm", **creases)
     near = {"zooms": (3.0, 7.0), "beside": (60.0, 20.0)}
