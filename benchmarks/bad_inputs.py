@@ -17,11 +17,12 @@ from pathlib import Path
 
 MEASURED = """
 import json, resource, sys
+from surftex.bake.stages import peak_rss_mb
 from surftex.cli import main
 code = main(sys.argv[2:])
 of, below = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
 processor = of.ru_utime + of.ru_stime + below.ru_utime + below.ru_stime
-open(sys.argv[1], "w").write(json.dumps([processor, max(of.ru_maxrss, below.ru_maxrss) * 1024 / 1e6]))
+open(sys.argv[1], "w").write(json.dumps([processor, max(peak_rss_mb(), below.ru_maxrss * 1024 / 1e6)]))
 sys.exit(code)
 """
 BAKE = ["--material", "crocodile", "--resolution", "256", "--no-cache"]

@@ -8,7 +8,6 @@ the mesh again, which tells the time. What is judged is place, bake and seams; t
 
 import argparse
 import json
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -16,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import surftex as sx
+from surftex.bake.stages import peak_rss_mb
 from surftex.surface.shapes import midpoint_subdivided, sphere
 from surftex.surface.surface import Surface
 
@@ -49,7 +49,7 @@ def square(side_mm: float = 10.0) -> Surface:
 
 def memory_mib() -> float:
     """Most memory that this process has held."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return peak_rss_mb() * 1e6 / 2**20
 
 
 def measured(path: str, resolution: int, cells: int) -> dict:

@@ -7,10 +7,13 @@ was. Files that are already there are replaced only when told, and files of othe
 import hashlib
 import os
 import shutil
+import signal
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 from surftex.errors import InputError, SurftexError, WorkError
 
@@ -89,18 +92,24 @@ def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Pat
     workplace: Path | None = None
     try:
         with _told_in_a_line(folder):
-            _make_folders(folder.absolute().parent, made)
-            workplace = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.absolute().parent))
+            with _undisturbed():
+                _make_folders(folder.absolute().parent, made)
+                workplace = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.absolute().parent))
             staged = workplace / "new"
             staged.mkdir()
             yield staged
-            _publish(staged, folder, workplace, overwrite)
-        made.clear()
+            for path in staged.iterdir():
+                _sync(path)
+            with _undisturbed(f"interrupted, but {folder} is written, and whole"):
+                _publish(staged, folder, workplace, overwrite)
+                made.clear()
+                shutil.rmtree(workplace, ignore_errors=True)
     finally:
-        if workplace is not None:
-            shutil.rmtree(workplace, ignore_errors=True)
-        for parent in reversed(made):
-            parent.rmdir()
+        with _undisturbed():
+            if workplace is not None:
+                shutil.rmtree(workplace, ignore_errors=True)
+            for parent in reversed(made):
+                parent.rmdir()
 
 
 def write_whole(path: str | Path, data: bytes) -> None:
@@ -167,6 +176,32 @@ def _told_in_a_line(folder: Path) -> Iterator[None]:
         raise WorkError(f"{folder}: cannot write: {reason}; nothing was left there") from None
 
 
+@contextmanager
+def _undisturbed(done: str = "") -> Iterator[None]:
+    """Let requests to end wait for the few milliseconds of a block, then obey; `done` is what to say after a success.
+
+    A mask of signals would not do: another thread can take them, and Python runs the handler here all the same.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # handlers run in the main thread alone
+        return
+    came: list[tuple[int, FrameType | None]] = []
+    usual = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    usual = {number: handler for number, handler in usual.items() if callable(handler)}
+    try:
+        for number in usual:
+            signal.signal(number, lambda *request: came.append(request))
+        yield
+    finally:
+        for number, handler in usual.items():
+            signal.signal(number, handler)
+    try:
+        for number, frame in came:
+            usual[signal.Signals(number)](number, frame)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(done) if done else KeyboardInterrupt from None
+
+
 def _make_folders(folder: Path, made: list[Path]) -> None:
     """Make a folder and its parents, noting which were missing, outermost first."""
     if not folder.is_dir():
@@ -188,8 +223,6 @@ def _publish(staged: Path, folder: Path, workplace: Path, overwrite: bool) -> No
     """Move all files of `staged` into the folder; put back what was there if one cannot be moved."""
     names = sorted(path.name for path in staged.iterdir())
     check_output(folder, names, overwrite=overwrite)
-    for name in names:
-        _sync(staged / name)
     if not folder.exists():
         staged.rename(folder)
         return

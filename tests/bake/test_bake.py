@@ -2,11 +2,15 @@
 
 import importlib
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import surftex as sx
+from surftex.bake.stages import peak_rss_mb
 from surftex.errors import InputError, RecipeError, WorkError
 from surftex.surface.shapes import cylinder, sphere
 from tests.bake.waves import Waves
@@ -204,3 +208,17 @@ def test_the_displaced_mesh_is_the_relief_that_the_maps_show(tmp_path, kind):
     assert radius.min() == pytest.approx(20 + baked.maps["height"].min(), abs=0.3)
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     assert f"sphere_displaced.{kind}" in report["outputs"]
+
+
+@pytest.mark.skipif(
+    not Path("/proc/self/status").exists(), reason="the system does not tell a process' own peak"
+)
+def test_the_most_memory_is_that_of_this_process_not_of_the_one_that_started_it():
+    held = bytearray(300_000_000)
+    held[::4096] = bytes(len(held[::4096]))
+    peak = subprocess.run(
+        [sys.executable, "-c", "from surftex.bake.stages import peak_rss_mb; print(peak_rss_mb())"],
+        capture_output=True, text=True, check=True,
+    ).stdout  # fmt: skip
+    assert 5 < float(peak) < 150
+    assert peak_rss_mb() > 300

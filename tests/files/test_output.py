@@ -2,10 +2,13 @@
 
 import hashlib
 import os
+import shutil
+import signal
 
 import pytest
 
 from surftex.errors import InputError, WorkError
+from surftex.files import output
 from surftex.files.output import check_output, file_hashes, whole_output
 
 
@@ -123,3 +126,49 @@ def test_a_folder_without_leave_to_write_is_told_in_a_line(tmp_path, monkeypatch
     monkeypatch.undo()
     assert check_output(tmp_path / "a" / "out") == tmp_path / "a" / "out"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(params=[signal.SIGINT, signal.SIGTERM], ids=lambda each: each.name)
+def request_to_end(request):
+    """A signal, and what sends it to this process, where it is heard as in the command."""
+
+    def listening(*told):
+        raise KeyboardInterrupt
+
+    usual = {each: signal.signal(each, listening) for each in (signal.SIGINT, signal.SIGTERM)}
+    yield lambda: os.kill(os.getpid(), request.param)
+    assert signal.getsignal(request.param) is listening
+    for each, handler in usual.items():
+        signal.signal(each, handler)
+
+
+def test_a_request_to_end_waits_while_files_appear_and_is_obeyed_then(tmp_path, monkeypatch, request_to_end):
+    publish = output._publish
+
+    def disturbed(*arguments):
+        request_to_end()
+        publish(*arguments)
+        request_to_end()
+
+    monkeypatch.setattr(output, "_publish", disturbed)
+    with pytest.raises(KeyboardInterrupt, match="out is written, and whole"):
+        written(tmp_path / "out")
+    assert contents(tmp_path) == {"out/a": "new", "out/b": "new"}
+    assert list(tmp_path.iterdir()) == [tmp_path / "out"]
+
+
+def test_a_request_to_end_while_the_workplace_goes_away_leaves_nothing(tmp_path, monkeypatch, request_to_end):
+    remove = shutil.rmtree
+
+    def disturbed(*arguments, **more):
+        request_to_end()
+        remove(*arguments, **more)
+
+    def failing(*arguments):
+        raise ValueError("the work fails")
+
+    monkeypatch.setattr(shutil, "rmtree", disturbed)
+    monkeypatch.setattr(output, "_publish", failing)
+    with pytest.raises(KeyboardInterrupt):
+        written(tmp_path / "deep" / "out")
+    assert not list(tmp_path.iterdir())
