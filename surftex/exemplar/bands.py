@@ -15,6 +15,8 @@ _TAIL_PERCENT = 0.5
 _LEAST_SPAN = 2.0
 """Narrowest range of a band, in steps of an 8-bit picture."""
 
+_LEAST_TINT = 0.1
+
 
 @dataclass(frozen=True, eq=False)
 class Bands:
@@ -47,6 +49,16 @@ class Bands:
     def shown(self) -> int:
         """Bands that make the picture; the others are maps beside it."""
         return 3 if self.colored else 1
+
+    @property
+    def telling(self) -> tuple[int, ...]:
+        """Bands whose structure can be seen: all but tints that span less than a tenth of the widest band."""
+        span = self.high - self.low
+        return tuple(
+            band
+            for band in range(len(self.names))
+            if band >= self.shown or span[band] >= _LEAST_TINT * span[: self.shown].max()
+        )
 
     @staticmethod
     def learnt(

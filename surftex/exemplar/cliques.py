@@ -65,22 +65,25 @@ def first_pairs(bands: int) -> NDArray[np.int32]:
     return np.array(inner + between, np.int32)
 
 
-def quad_pool(band: int, spacings: tuple[int, ...]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def quad_pool(
+    bands: tuple[int, ...], spacings: tuple[int, ...]
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """List quads of all shapes at some spacings.
 
     Parameters
     ----------
-    band : int
-        Where they lie.
+    bands : tuple of int
+        Where they lie; those of one band come together.
     spacings : tuple of int
         Steps between corners.
 
     Returns
     -------
     quad_band : (j,) int32
-        The band, repeated.
+        Band of each.
     quad_shape : (j, 4, 2) int32
         Corners.
     """
     shape = np.array([np.multiply(each, k) for k in spacings for each in SHAPES.values()], np.int32)
-    return np.full(len(shape), band, np.int32), shape.reshape(-1, 4, 2)
+    shape = shape.reshape(-1, 4, 2)
+    return np.repeat(np.array(bands, np.int32), len(shape)), np.tile(shape, (len(bands), 1, 1))

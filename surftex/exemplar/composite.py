@@ -493,8 +493,7 @@ def _joined(
     )
     pair_type = np.array(kinds, np.int32)
     used = np.array([[kind in some for kind in kinds] for some in [*chosen, near]])
-    parts = [quad_pool(band, spacings) for band in range(every)]
-    band, shape = (np.concatenate(part) for part in zip(*parts, strict=True))
+    band, shape = quad_pool(bands.telling, spacings)
     reach = max(int(np.abs(pair_type[:, 2:]).max()), *(3 * each for each in spacings), 1)
     exemplar = Exemplar.of(picture, bands, np.ones(label.shape, bool), reach, threads)
     plane: Plane = exemplar.plane

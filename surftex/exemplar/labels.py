@@ -285,7 +285,7 @@ def _beside(target: Target, seed: int, named: tuple[str | int, ...], threads: in
 def _target(label: NDArray[np.uint8], count: int, spacings: tuple[int, ...]) -> Target:
     offset = [(0, 0, k * right, k * down) for k in spacings for right, down in _DIRECTIONS]
     pair_type = np.array(offset, np.int32)
-    band, shape = quad_pool(0, _SPACINGS if count <= 4 else ())
+    band, shape = quad_pool((0,), _SPACINGS if count <= 4 else ())
     reach = max(3 * max(_SPACINGS), max(spacings))
     plane = Plane.of(label.shape[0], label.shape[1], reach, wrap=False)
     level = plane.hold(label[None])

@@ -115,8 +115,7 @@ def learn_texture(
     quad = spacings if order == "quad" else ()
     exemplar, target = learning(picture, bands, inside, most, quad, radius, seed, threads, tick)
     fours = tuple(each for each in quad if 6 * each <= min(picture.shape[:2]))
-    parts = [quad_pool(band, fours) for band in range(len(names))]
-    band, shape = (np.concatenate(part) for part in zip(*parts, strict=True))
+    band, shape = quad_pool(bands.telling, fours)
     target = replace(
         target,
         quad_band=band,

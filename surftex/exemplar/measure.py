@@ -172,6 +172,8 @@ def measured(
     lattice: Lattice,
     level: NDArray[np.uint8],
     group: NDArray[np.uint8] | None = None,
+    *,
+    site: NDArray[np.int32] | None = None,
     threads: int | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
     """Measure all that a target speaks of.
@@ -186,6 +188,8 @@ def measured(
         With copies up to date.
     group : (places,) uint8, optional
         Label of each place.
+    site : (n,) int32, optional
+        Sites to count; all without it.
     threads : int, optional
         None means every core; cannot change the result.
 
@@ -194,13 +198,14 @@ def measured(
     single, pair, quad : float32 arrays
         Of the shapes that the target's own have.
     """
-    single = level_shares(lattice, level, target.levels, group=group, groups=target.groups)
+    groups = target.groups
+    single = level_shares(lattice, level, target.levels, group=group, groups=groups, site=site)
     pair = pair_shares(
-        lattice, level, target.pair_type, code=target.code, group=group, groups=target.groups, threads=threads
-    )
+        lattice, level, target.pair_type, code=target.code, group=group, groups=groups, site=site, threads=threads
+    )  # fmt: skip
     quad = quad_shares(
-        lattice, level, target.quad_band, target.quad_shape, target.quarter, group=group, threads=threads
-    )
+        lattice, level, target.quad_band, target.quad_shape, target.quarter, group=group, site=site, threads=threads
+    )  # fmt: skip
     return single, pair, quad
 
 

@@ -14,7 +14,7 @@ from surftex.exemplar.measure import distance, measured
 from surftex.exemplar.smoothing import NEXT
 from surftex.exemplar.target import Target
 from surftex.kernels.pool import Tick, slices
-from surftex.randomness import Stream
+from surftex.randomness import Stream, stream
 
 PAIR_RATE, LABEL_RATE, QUAD_RATE = 6.0, 3.0, 4.0
 """How strongly potentials follow; beyond twice as much they overshoot and swing."""
@@ -27,6 +27,9 @@ _QUAD_SUM = 100.0
 
 _LEAST_SHARE, _FINEST, _LARGEST = 1e-4, 256.0, 32000.0
 _SITES = 4096
+
+_MOST_COUNTED = 2**18
+"""Sites of one texture that are counted each time: their shares are then known better than potentials need."""
 
 
 class Relaxation:
@@ -89,7 +92,7 @@ class Relaxation:
         plan = _Plan.of(target)
         self.reach, column = self.lattice.reach(plan.offset)
         self.classes = self.lattice.classes(plan.offset, self.live)
-        pair = plan.pair.copy()
+        pair, column = plan.pair.copy(), column.astype(np.uint64)
         pair[:, 1] = column[pair[:, 1]]
         self.plan = replace(plan, pair=pair, near=column[plan.near])
 
@@ -143,7 +146,9 @@ class Relaxation:
             Mean distance of the target's types; 0 where it has none.
         """
         target = self.target
-        single, pair, quad = measured(target, self.lattice, self.level, self.group, self.threads)
+        single, pair, quad = measured(
+            target, self.lattice, self.level, self.group, site=self._counted(), threads=self.threads
+        )
         pace = rate * (LABEL_RATE if target.joint else PAIR_RATE)
         present = single.sum(axis=-1, keepdims=True) > 0
         excess = np.where(present, single - target.single, 0)
@@ -193,6 +198,15 @@ class Relaxation:
                 rate *= 0.5
         return course
 
+    def _counted(self) -> NDArray[np.int32]:
+        """Choose the sites to count: all, or of many one from each of as many runs, another each time."""
+        site = self.lattice.site
+        if self.target.groups > 1 or len(site) <= _MOST_COUNTED:
+            return site
+        within = stream(self.random.key, "counted", self.turn).uniform(_MOST_COUNTED)[:, 0]
+        run = len(site) / _MOST_COUNTED
+        return site[((np.arange(_MOST_COUNTED) + within) * run).astype(np.int64)]
+
     def _tables(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Potentials in whole numbers, on one scale, and the exponentials of that scale."""
         target, plan = self.target, self.plan
@@ -211,14 +225,12 @@ class Relaxation:
         else:
             rows[:, :, 1, :63] = pair[..., 62::-1]
         fours = plan.role_tables(self.quad)
-        fours = np.where(
-            np.repeat(target.quad_used, 4, axis=1)[..., None, None],
-            fours - fours.min(axis=-1, keepdims=True), 0.0,
-        )  # fmt: skip
+        there = np.repeat(target.quad_used, 4, axis=1)[:, plan.role_row, None, None]
+        fours = np.where(there, fours - fours.min(axis=-1, keepdims=True), 0.0)
         largest = np.abs(single).max(initial=0.0)
         for band in range(target.bands):
             used = plan.pair[plan.pair_start[band] : plan.pair_start[band + 1], 2]
-            role = plan.role[plan.role_start[band] : plan.role_start[band + 1], 3]
+            role = slice(*plan.role_start[band : band + 2])
             most = np.abs(rows.reshape(groups, -1, 64)[:, used]).max(axis=(0, 2), initial=0.0).sum()
             most += fours[:, role].max(axis=(0, 2, 3), initial=0.0).sum()
             largest = max(largest, np.abs(single).max(initial=0.0) + float(most))
@@ -252,15 +264,19 @@ def asked_offsets(target: Target) -> NDArray[np.int32]:
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    """A target's types as the kernel takes them: what each band looks at, and by which row."""
+    """A target's types as the kernel takes them: what each band looks at, and by which row.
+
+    A role is a corner of a quad, seen by the other three; `role_row` tells which: ``4 quad + corner``.
+    """
 
     offset: NDArray[np.int32]
     pair_start: NDArray[np.int64]
-    pair: NDArray[np.int32]
+    pair: NDArray[np.uint64]
     near_start: NDArray[np.int64]
-    near: NDArray[np.int32]
+    near: NDArray[np.uint64]
     role_start: NDArray[np.int64]
-    role: NDArray[np.int32]
+    role: NDArray[np.uint64]
+    role_row: NDArray[np.int64]
 
     @staticmethod
     def of(target: Target) -> "_Plan":
@@ -289,20 +305,22 @@ class _Plan:
             nears.append(list(seen))
             roles.append(mine)
         near_start, near = _listed([[(each,) for each in some] for some in nears], 1)
+        role_start, role = _listed(roles, 4)
+        three = (role[:, :3] << np.array([0, 16, 32], np.uint64)).sum(axis=1, dtype=np.uint64)
         return _Plan(
             np.array(list(known), np.int32).reshape(-1, 2),
-            *_listed(pairs, 3), near_start, near.ravel(), *_listed(roles, 4),
+            *_listed(pairs, 3), near_start, near.ravel(), role_start, three, role[:, 3].astype(np.int64),
         )  # fmt: skip
 
     def role_tables(self, quad: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(g, 4 j, 64, 4): potential of each class at a corner, by the code of the other three in their order."""
+        """(g, r, 64, 4): potential of each class at a corner, by the code of the other three in their order."""
         groups, kinds = quad.shape[:2]
         cube = quad.reshape(groups, kinds, 4, 4, 4, 4)
         by_corner = [np.moveaxis(cube, 2 + corner, -1).reshape(groups, kinds, 64, 4) for corner in range(4)]
-        return np.stack(by_corner, axis=2).reshape(groups, 4 * kinds, 64, 4)
+        return np.stack(by_corner, axis=2).reshape(groups, 4 * kinds, 64, 4)[:, self.role_row]
 
 
-def _listed(lists: list, width: int) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+def _listed(lists: list, width: int) -> tuple[NDArray[np.int64], NDArray[np.uint64]]:
     """Put lists end to end, and say where each starts."""
     start = np.cumsum([0, *map(len, lists)]).astype(np.int64)
-    return start, np.array([each for some in lists for each in some], np.int32).reshape(-1, width)
+    return start, np.array([each for some in lists for each in some], np.uint64).reshape(-1, width)

@@ -46,17 +46,18 @@ def count_quads(first, last, level, group, groups, site, reach, follow, band, co
         p = site[i]
         base = 0 if follow else p
         line = p if follow else 0
-        mine = np.int64(group[p])
-        for j in range(len(band)):
-            code = np.int64(0)
+        mine = np.uint64(group[p])
+        for j in range(np.uint64(len(band))):
+            code = np.uint64(0)
             whole = True
-            for c in range(4):
-                q = base + reach[line, corner[j, c]]
-                number = np.int64(quarter[mine, band[j], level[band[j], q]])
-                if number > 3 or (groups > 1 and np.int64(group[q]) != mine):
+            b = np.uint64(band[j])
+            for c in range(np.uint64(4)):
+                q = np.uint64(base + reach[np.uint64(line), np.uint64(corner[j, c])])
+                number = np.uint64(quarter[mine, b, level[b, q]])
+                if number > 3 or (groups > 1 and np.uint64(group[q]) != mine):
                     whole = False
                     break
-                code = 4 * code + number
+                code = np.uint64(4) * code + number
             if whole:
                 count[mine, j, code] += 1
 

@@ -66,62 +66,61 @@ def sample_sites(
     first, last, level, group, groups, site, reach, follow, pair_start, pair, rows, table, step, shift, single,
     near_start, near, role_start, role, quad, quarter, exponential, levels, key, turn, fresh,
 ):  # fmt: skip
-    """Draw the sites ``site[first:last]`` anew, all bands of a site one after the other.
+    """Draw the sites ``site[first:last]`` anew, one band after the other; a site sees its own bands as drawn.
 
     level (c, p) uint8; group (p,) uint8, of `groups` kinds; site (n,) int32; reach (1 or p, e) int32, by row where
-    `follow` is 1. Pairs of band b are ``pair[pair_start[b]:pair_start[b + 1]]``, (k, 3) int32: neighbour's band,
+    `follow` is 1. Pairs of band b are ``pair[pair_start[b]:pair_start[b + 1]]``, (k, 3) uint64: neighbour's band,
     offset, row of `table`; table ((groups + 1) rows 64,) int16, the last group for pairs that join two groups;
-    single (groups, c, 32) int16. Quads: near (q,) int32 offsets whose classes are looked up; role (r, 4) int32:
-    three positions in that list, and a row of quad (groups, r, 65) uint64; quarter (groups, c, 256) uint8.
-    exponential (4096,) float32; `key` uint64 and `turn` of the random numbers -> fresh (c, p) uint8.
+    single (groups, c, 32) int16. Quads: near (q,) uint64 offsets whose classes are looked up; role (r,) uint64: three
+    positions in that list, 16 bits each; role r has row r of quad (groups, r, 65) uint64; quarter (groups, c, 256)
+    uint8. exponential (4096,) float32; `key` uint64 and `turn` of the random numbers -> fresh (c, p) uint8.
+    Indices are unsigned: a signed one is tested for being negative each time, which doubled the cost of a quad.
     """
     bands = level.shape[0]
     total, share = np.zeros(64, np.int16), np.zeros(64, np.float32)
     start = np.zeros(len(pair) + 1, np.uint64)
-    seen = np.zeros(len(near) + 1, np.int64)
-    own = np.zeros(bands, np.int64)
+    seen = np.zeros(len(near) + 1, np.uint64)
     places = np.uint64(level.shape[1])
-    for i in range(first, last):
-        p = site[i]
-        base = 0 if follow else p
-        line = p if follow else 0
-        mine = np.int64(group[p])
-        for b in range(bands):
-            own[b] = level[b, p]
-        for b in range(bands):
+    position = np.uint64(0xFFFF)
+    for b in range(bands):
+        begin, end = np.uint64(near_start[b]), np.uint64(near_start[b + 1])
+        for i in range(first, last):
+            p = np.uint64(site[i])
+            base = np.int64(0 if follow else p)
+            line = np.uint64(p if follow else 0)
+            mine = np.uint64(group[p])
             count = 0
-            for e in range(pair_start[b], pair_start[b + 1]):
-                q = base + reach[line, pair[e, 1]]
+            for e in range(np.uint64(pair_start[b]), np.uint64(pair_start[b + 1])):
+                q = np.uint64(base + reach[line, pair[e, 1]])
                 band = pair[e, 0]
-                s = own[band] if q == p else np.int64(level[band, q])
+                s = np.int64(fresh[band, q] if q == p and band < np.uint64(b) else level[band, q])
                 if s == MISSING:
                     continue
                 row = np.int64(pair[e, 2])
                 if groups > 1:
-                    row += rows * (mine if np.int64(group[q]) == mine else groups)
+                    row += rows * (np.int64(mine) if np.uint64(group[q]) == mine else groups)
                 start[count] = np.uint64(row * 64 + shift + step * s)
                 count += 1
             for v in range(levels):
                 total[v] = single[mine, b, v]
             add_rows(total, table, start, count, levels)
             if role_start[b + 1] > role_start[b]:
-                begin = near_start[b]
-                for e in range(begin, near_start[b + 1]):
-                    q = base + reach[line, near[e]]
+                for e in range(begin, end):
+                    q = np.uint64(base + reach[line, near[e]])
                     seen[e - begin] = quarter[mine, b, level[b, q]]
-                    if groups > 1 and np.int64(group[q]) != mine:
-                        seen[e - begin] = NO_CLASS
+                    if groups > 1 and np.uint64(group[q]) != mine:
+                        seen[e - begin] = np.uint64(NO_CLASS)
                 packed = np.uint64(0)
-                for r in range(role_start[b], role_start[b + 1]):
-                    code = 16 * seen[role[r, 0]] + 4 * seen[role[r, 1]] + seen[role[r, 2]]
-                    packed += quad[mine, role[r, 3], min(code, np.int64(NO_CLASS))]
+                for r in range(np.uint64(role_start[b]), np.uint64(role_start[b + 1])):
+                    three = role[r]
+                    one, two = seen[three & position], seen[(three >> np.uint64(16)) & position]
+                    code = (one << np.uint64(4)) + (two << np.uint64(2)) + seen[three >> np.uint64(32)]
+                    packed += quad[mine, r, min(code, np.uint64(NO_CLASS))]
                 for v in range(levels):
                     lane = np.uint64(16) * np.uint64(quarter[mine, b, v])
                     total[v] += np.int16((packed >> lane) & np.uint64(0xFFFF))
-            number = uniform(key, (np.uint64(turn) * np.uint64(bands) + np.uint64(b)) * places + np.uint64(p))
-            drawn_level = drawn(total, exponential, share, levels, number)
-            own[b] = drawn_level
-            fresh[b, p] = drawn_level
+            number = uniform(key, (np.uint64(turn) * np.uint64(bands) + np.uint64(b)) * places + p)
+            fresh[b, p] = drawn(total, exponential, share, levels, number)
 
 
 @kernel

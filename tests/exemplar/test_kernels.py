@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from surftex.exemplar import relaxation
 from surftex.exemplar.cliques import quad_pool
 from surftex.exemplar.lattice import Plane, Table
 from surftex.exemplar.learn import learn_texture
@@ -46,7 +49,7 @@ def test_quads_are_counted_as_their_twin_counts_them(wrap):
     picture[0, 4, 4] = 255
     plane = Plane.of(10, 11, 6, wrap=wrap)
     quarter = quarters(np.full((1, 32), 1 / 32))
-    band, shape = quad_pool(0, (1, 2))
+    band, shape = quad_pool((0,), (1, 2))
     found = quad_shares(plane, plane.hold(picture), band, shape, quarter[None])[0]
     assert found == pytest.approx(shares(slow.quad_counts(picture, band, shape, quarter, wrap=wrap)))
 
@@ -65,6 +68,36 @@ def test_a_sweep_draws_what_its_twin_draws(order):
     drawn.sweep()
     assert (plane.picture(drawn.level) == expected).all()
     assert (expected != before).mean() > 0.5
+
+
+def test_the_order_of_quads_changes_no_byte():
+    model = learn_texture(
+        np.stack([pebbles(64, 6, seed) for seed in (1, 2, 3)], axis=-1), pairs=3, spacings=(1,), radius=4
+    )
+    mixed = np.argsort(stream(1, "test", "order").uniform(len(model.target.quad_band))[:, 0])
+    part = {name: getattr(model.target, name) for name in ("quad", "quad_used", "quad_band", "quad_shape")}
+    other = {name: each[:, mixed] if each.shape[0] == 1 else each[mixed] for name, each in part.items()}
+    assert (np.diff(other["quad_band"]) < 0).any()
+    drawn = [
+        replace(model, target=replace(model.target, **each)).synthesize(24, 20, sweeps=4)
+        for each in (part, other)
+    ]
+    assert drawn[0].tobytes() == drawn[1].tobytes()
+
+
+def test_of_many_sites_some_are_counted_and_tell_the_same(monkeypatch):
+    model = learn_texture(pebbles(64, 6), pairs=4, spacings=(1,), radius=4)
+    plane = Plane.of(64, 64, model.target.radius, wrap=True)
+    drawn = Relaxation(model.target, plane, plane.hold(pebbles(64, 6)[None] // 8), stream(1, "test"))
+    whole = pair_shares(plane, drawn.level, model.target.pair_type)[0]
+    monkeypatch.setattr(relaxation, "_MOST_COUNTED", 1024)
+    some = []
+    for drawn.turn in range(30):
+        site = drawn._counted()
+        assert len(np.unique(site)) == 1024
+        some.append(pair_shares(plane, drawn.level, model.target.pair_type, site=site)[0])
+    assert np.abs(np.array(some) - whole).max(axis=0).mean() > 1e-3  # each time others
+    assert np.mean(some, axis=0) == pytest.approx(whole, abs=4e-3)
 
 
 def test_a_table_of_a_torus_draws_like_the_plane_counts():

@@ -4,6 +4,7 @@ import pytest
 import surftex as sx
 from surftex.errors import InputError
 from surftex.exemplar.metrics import copying, near_distance, pattern_distance
+from surftex.randomness import stream
 from tests.exemplar.pictures import echo, noise, pebbles
 
 
@@ -113,3 +114,24 @@ def test_sizes_that_make_no_sense_are_refused():
     for width, height in ((8, 100), (10**6, 10**6)):
         with pytest.raises(InputError, match="the size is"):
             model.synthesize(width, height)
+
+
+def test_fours_leave_out_the_tint_that_cannot_be_seen():
+    grey = pebbles(64, 6).astype(float)
+    tint = 255 * stream(1, "test", "tint").uniform(64 * 64, 2).reshape(64, 64, 2)
+    picture = (
+        np.stack([grey, grey, grey], axis=-1)
+        + 0.2 * tint[..., :1] * [1, -1, 0]
+        + 0.01 * tint[..., 1:] * [1, 1, -2]
+    )
+    model = sx.learn_texture(np.clip(picture, 0, 255).astype(np.uint8), pairs=3, spacings=(1,), radius=4)
+    assert model.bands.telling == (0, 1)
+    assert set(model.target.quad_band.tolist()) == {0, 1}
+    beside = sx.learn_texture(
+        np.clip(picture, 0, 255).astype(np.uint8),
+        height=grey.astype(np.uint8),
+        pairs=3,
+        spacings=(1,),
+        radius=4,
+    )
+    assert beside.bands.telling == (0, 1, 3)
