@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from surftex.arrays import frozen
 from surftex.features.cell_mesh import Triangles, twins_of
 from surftex.features.cells_plane import stretch
+from surftex.features.near_logs import near_logs
 from surftex.features.poisson import Sites
 from surftex.features.voronoi_graph import VoronoiGraph
-from surftex.geodesics.paths import shortest_path
-from surftex.geodesics.pieces import CurvePieces, barycentric_of
+from surftex.geodesics.pieces import barycentric_of
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -236,44 +236,16 @@ def _lengths(
     low, high = np.minimum(corner, onward).ravel(), np.maximum(corner, onward).ravel()
     pair, index = np.unique(low * len(points) + high, return_inverse=True)
     first, second = pair // max(len(points), 1), pair % max(len(points), 1)
-    pieces, length = shortest_path(surface, _at(points, first), _at(points, second), threads=threads)
+    away, length = near_logs(surface, points, points, first, second, threads=threads)
     if (aspect != 1).any() and len(pair):
-        leaving, arriving = path_angles(pieces, len(pair))
+        back = near_logs(surface, points, points, second, first, threads=threads)[0]
         square = np.zeros(len(pair))
-        for who, heading in ((first, leaving), (second, arriving)):
+        for who, step in ((first, away), (second, back)):
             own = np.minimum(who, count - 1)
+            heading = np.arctan2(step[:, 1], step[:, 0])
             square += np.where(who < count, stretch(aspect[own], heading - angle[own]), 0)
         length = length * np.sqrt(square / np.maximum((first < count) + (second < count).astype(int), 1))
     return length[index].reshape(corner.shape)
-
-
-def path_angles(pieces: CurvePieces, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Directions in which paths leave and arrive, in the frames of the faces there.
-
-    Parameters
-    ----------
-    pieces : CurvePieces
-        Of `count` paths.
-    count : int
-        Paths, with or without pieces.
-
-    Returns
-    -------
-    leaving, arriving : (count,) float64
-        Radians; 0 for paths of no length.
-    """
-    leaving, arriving = np.zeros(count), np.zeros(count)
-    if len(pieces):
-        first = np.flatnonzero(np.diff(pieces.curve, prepend=-1))
-        last = np.append(first[1:], len(pieces)) - 1
-        step = pieces.end - pieces.start
-        heading = np.arctan2(step[:, 1], step[:, 0])
-        leaving[pieces.curve[first]], arriving[pieces.curve[last]] = heading[first], heading[last]
-    return leaving, arriving
-
-
-def _at(points: SurfacePoints, rows: NDArray) -> SurfacePoints:
-    return SurfacePoints.trusted(points.face[rows], points.barycentric[rows])
 
 
 def _outward(

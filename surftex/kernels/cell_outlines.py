@@ -11,8 +11,11 @@ import numpy as np
 from surftex.kernels.jit import kernel, part
 from surftex.kernels.random import uniform
 
-BEND = 6
-"""Points of a rounded corner."""
+BEND, EDGES = 6, 24
+"""Points of a rounded corner, and sides of an outline: fewer points where there are more corners."""
+
+OFF, SHARE = 0.03, 0.5
+"""Sides that bend by less than this share of the diameter are straight; this share of what bends inward is taken off."""
 
 
 @part
@@ -36,33 +39,82 @@ def _clip(polygon, count, nx, ny, offset, spare):
     return kept
 
 
-@kernel
-def outlines(begin, end, corner, sides, gap, rounding, polygon, spare, bent, edge, edges, middle, area):
-    """Outline cells [begin, end): corner (c, 4, 2), counter-clockwise, sides (c,) int64: 3, 4; gap (c,): to shrink by half of.
+@part
+def _convex(corner, bend, c, sides, off, polygon, inset):
+    """Corners of cell c, and middles of sides that bend outward; inset: by how much the side after each is to be moved in.
 
-    polygon, spare (16, 2), bent (32, 2): scratch -> edge (c, 24, 2), edges (c,) int64: 0 where nothing is left; middle (c, 2),
-    area (c,).
+    What would be dented is left out, so that the polygon is convex. Returns the number of its corners.
+    """
+    count = 0
+    for k in range(sides):
+        onward = (k + 1) % sides
+        middle = 3 if k == sides - 1 else k
+        ax, ay, bx, by = corner[c, k, 0], corner[c, k, 1], corner[c, onward, 0], corner[c, onward, 1]
+        polygon[count, 0], polygon[count, 1] = ax, ay
+        inset[count] = 0.0
+        count += 1
+        x, y = bx - ax, by - ay
+        size = math.sqrt(x * x + y * y)
+        if size <= 0:
+            continue
+        mx, my = bend[c, middle, 0], bend[c, middle, 1]
+        out = (y * (mx - ax) - x * (my - ay)) / size
+        if out > off:
+            polygon[count, 0], polygon[count, 1] = mx, my
+            inset[count] = 0.0
+            count += 1
+        elif out < -off:
+            inset[count - 1] = -SHARE * out
+    k, straight = 0, 0
+    while count > 3 and straight < count:
+        before, onward = (k + count - 1) % count, (k + 1) % count
+        cross = (polygon[k, 0] - polygon[before, 0]) * (polygon[onward, 1] - polygon[k, 1])
+        cross -= (polygon[k, 1] - polygon[before, 1]) * (polygon[onward, 0] - polygon[k, 0])
+        if cross > 0:
+            straight += 1
+            k = onward
+            continue
+        inset[before] = 0.0
+        for j in range(k, count - 1):
+            polygon[j, 0], polygon[j, 1], inset[j] = polygon[j + 1, 0], polygon[j + 1, 1], inset[j + 1]
+        count -= 1
+        k, straight = (k + count - 1) % count, 0
+    return count
+
+
+@kernel
+def outlines(
+    begin, end, corner, bend, sides, scale, gap, rounding, hull, inset, polygon, spare, bent, edge, edges, middle, area
+):  # fmt: skip
+    """Outline cells [begin, end).
+
+    corner (c, 4, 2), counter-clockwise, bend (c, 4, 2): middles of the sides; sides (c,) int64: 3, 4; scale (c,): diameter;
+    gap (c,): to shrink by half of.
+    hull (8, 2), inset (8,), polygon, spare (16, 2), bent (32, 2): scratch -> edge (c, 24, 2), edges (c,) int64: 0 where
+    nothing is left; middle (c, 2), area (c,).
     """
     for c in range(begin, end):
-        count = sides[c]
-        for k in range(count):
-            polygon[k, 0], polygon[k, 1] = corner[c, k, 0], corner[c, k, 1]
-        for k in range(sides[c]):
-            onward = (k + 1) % sides[c]
-            x, y = corner[c, onward, 0] - corner[c, k, 0], corner[c, onward, 1] - corner[c, k, 1]
+        first = _convex(corner, bend, c, sides[c], OFF * scale[c], hull, inset)
+        count = first
+        for k in range(first):
+            polygon[k, 0], polygon[k, 1] = hull[k, 0], hull[k, 1]
+        for k in range(first):
+            onward = (k + 1) % first
+            x, y = hull[onward, 0] - hull[k, 0], hull[onward, 1] - hull[k, 1]
             size = math.sqrt(x * x + y * y)
             if size > 0 and count > 0:
-                offset = (y * corner[c, k, 0] - x * corner[c, k, 1]) / size - 0.5 * gap[c]
+                offset = (y * hull[k, 0] - x * hull[k, 1]) / size - 0.5 * gap[c] - inset[k]
                 count = _clip(polygon, count, y / size, -x / size, offset, spare)
         edges[c] = 0
         area[c] = 0.0
-        if count < 3 or count > 4:
+        if count < 3 or count > 8:
             continue
+        steps = min(BEND, EDGES // count)
         points = 0
         for k in range(count):
             before, onward = (k + count - 1) % count, (k + 1) % count
-            for q in range(BEND):
-                u = q / (BEND - 1)
+            for q in range(steps):
+                u = q / (steps - 1)
                 for axis in range(2):
                     p = polygon[k, axis]
                     a = p + rounding * (polygon[before, axis] - p)

@@ -67,6 +67,23 @@ class SurfacePoints:
     def __len__(self) -> int:
         return len(self.face)
 
+    def taken(self, rows: NDArray[np.integer]) -> "SurfacePoints":
+        """Take some of the points.
+
+        Parameters
+        ----------
+        rows : (k,) int
+            Which, in any order.
+
+        Returns
+        -------
+        taken : SurfacePoints
+            k points.
+        """
+        return SurfacePoints.trusted(
+            np.ascontiguousarray(self.face[rows]), np.ascontiguousarray(self.barycentric[rows])
+        )
+
     def check_on(self, surface: Surface) -> None:
         """Refuse faces that the surface does not have.
 

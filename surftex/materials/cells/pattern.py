@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import frozen
-from surftex.features.cell_outlines import CellPlanes, Outlines, outlined
+from surftex.features.cell_outlines import Outlines, outlined
+from surftex.features.cell_planes import CellPlanes, straight_bends
 from surftex.features.curves import curve_pieces
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
@@ -113,8 +114,10 @@ class CellsPattern:
         centre = SurfacePoints.trusted(
             np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
         )
+        corner = table["corner_mm"]
+        bend = table["bend_mm"] if "bend_mm" in (table.dtype.names or ()) else straight_bends(corner)
         planes = CellPlanes(
-            frozen(table["corner_mm"].copy()), frozen(table["sides"].astype(np.int64)),
+            frozen(corner.copy()), frozen(np.array(bend)), frozen(table["sides"].astype(np.int64)),
             frozen(surface.frame[centre.face][:, :2]), frozen(table["scale_mm"].copy()),
         )  # fmt: skip
         records = None

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError, RecipeError
 from surftex.features.cell_mesh import kept_apart, paired
-from surftex.features.cell_outlines import CellPlanes, surface_cells
+from surftex.features.cell_planes import CellPlanes, surface_cells
 from surftex.features.cell_walks import sides_of, walks
-from surftex.features.cells_surface import path_angles, surface_triangles
+from surftex.features.cells_surface import surface_triangles
 from surftex.features.curves import curve_table
 from surftex.features.growth_surface import SurfaceGround
+from surftex.features.near_logs import path_angles
 from surftex.features.particle_growth import Ground, Particles, grow, on_top
 from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
@@ -39,10 +40,10 @@ PARTICLE = np.dtype(
 CELL = np.dtype(
     [
         ("face", "i4"), ("barycentric", "f8", 3), ("corner_mm", "f8", (4, 2)), ("sides", "i4"), ("scale_mm", "f8"),
-        ("corner", "i4", 4),
+        ("corner", "i4", 4), ("bend_mm", "f8", (4, 2)),
     ]
 )  # fmt: skip
-"""A cell: its centre, its corners in the log map there, and which particles they are (-1: none, or the rim)."""
+"""A cell: its centre, its corners in the log map there, which particles they are (-1: none, or the rim), its bends."""
 
 RATIOS = (0.2, 5.0)
 """Length of particles over their width, at the least and at the most."""
@@ -344,7 +345,8 @@ def cell_table(planes: CellPlanes, centre: SurfacePoints, corner: NDArray[np.int
     """
     table = np.zeros(len(planes), CELL)
     table["face"], table["barycentric"] = centre.face, centre.barycentric
-    table["corner_mm"], table["sides"], table["scale_mm"] = planes.corner, planes.sides, planes.scale
+    table["corner_mm"], table["bend_mm"] = planes.corner, planes.bend
+    table["sides"], table["scale_mm"] = planes.sides, planes.scale
     table["corner"] = corner
     return table
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError, RecipeError
 from surftex.features.cell_mesh import paired
-from surftex.features.cell_outlines import CellPlanes, Outlines, plane_cells
+from surftex.features.cell_outlines import Outlines
+from surftex.features.cell_planes import CellPlanes, plane_cells
 from surftex.features.cells_plane import LEAST_SIDE, plane_triangles
 from surftex.features.growth_plane import PlaneGround
 from surftex.fields.fieldset import FieldSet
@@ -271,7 +272,8 @@ def make_tile(
     planes, centre = plane_cells(regions, top.place, side_mm, size)
     table = np.zeros(len(planes), CELL)
     table["barycentric"][:, 0] = 1
-    table["corner_mm"], table["sides"], table["scale_mm"] = planes.corner, planes.sides, planes.scale
+    table["corner_mm"], table["bend_mm"] = planes.corner, planes.bend
+    table["sides"], table["scale_mm"] = planes.sides, planes.scale
     table["corner"] = regions
     made["cell"] = table
     made["wrinkle"] = tile_wrinkles(cells, side_mm, seed, top.place, regions, stress)
