@@ -1,4 +1,4 @@
-"""Makes every picture that the README and the docs show: `python -m docs.make_pictures [NAME ...]`.
+"""Makes the pictures of hides, and of hides on meshes: `python -m docs.make_pictures [NAME ...]`.
 
 Pictures go to docs/pictures, as JPEG, and stand in docs/gallery.md. Each is one function; its docstring says what
 it shows. Some need meshes that are not shipped: they are looked for in the folder that SURFTEX_SHARED names, else
@@ -12,18 +12,11 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from scipy.ndimage import maximum_filter
 
 import surftex as sx
-from surftex.features.poisson import poisson_disk
 from surftex.files.meshes import load
-from surftex.geodesics.directions import DirectionField
-from surftex.preview.analyse import drawn
 from surftex.preview.render import render
-from surftex.preview.section import flat_section
 from surftex.preview.sheet import contact_sheet
-from surftex.preview.spectrum import fitted_ring, height_spectrum
-from surftex.randomness import stream
 from surftex.surface.closest import closest_points
 from surftex.surface.shapes import plane
 from surftex.surface.surface import Surface
@@ -38,6 +31,8 @@ HIDES = {
 """Side of the sheet, in mm, that shows each hide."""
 WIDEST = 1400
 """Pixels across, of any picture."""
+LARGEST = 250_000
+"""Bytes of a picture, beyond which it is kept with less quality."""
 LARGE_GOAT = {
     "cell_size": "3 mm",
     "crista_height": "0.35 mm",
@@ -56,8 +51,14 @@ def save(picture, name, *, exact=False):
     image = Image.fromarray(np.asarray(picture))
     if image.width > WIDEST:
         image = image.resize((WIDEST, round(image.height * WIDEST / image.width)), Image.Resampling.LANCZOS)
-    how = {"quality": 97, "subsampling": 0} if exact else {"quality": 86}
-    image.save(HERE / "pictures" / f"{name}.jpg", optimize=True, **how)
+    path = HERE / "pictures" / f"{name}.jpg"
+    if exact:
+        image.save(path, optimize=True, quality=97, subsampling=0)
+        return
+    for quality in range(86, 50, -4):
+        image.save(path, optimize=True, quality=quality)
+        if path.stat().st_size <= LARGEST:
+            break
 
 
 def shared(name):
@@ -123,87 +124,6 @@ def hides():
     """The nine hides, each on a flat sheet under raking light; the side of the sheet in mm is in the label."""
     pictures = [sheet_of(sx.Leather.preset(name), side) for name, side in HIDES.items()]
     save(contact_sheet(pictures, [f"{name}, {side} mm" for name, side in HIDES.items()], columns=3), "hides")
-
-
-def figure_10():
-    """Fig. 10 of Sakurai et al.: sites that keep a disk and an ellipse to themselves, and their spectra."""
-    surface = plane(20.0, cells=24)
-    upright = DirectionField.from_axis(surface, (0.0, 1.0, 0.0))
-    pictures, labels = [], []
-    for label, ratio in (("disk", 1.0), ("ellipse, 5 to 3", 5 / 3)):
-        sets = [
-            poisson_disk(surface, 0.5 * np.sqrt(ratio), stream(seed, "docs"), ratio=ratio, direction=upright)
-            for seed in range(8)
-        ]
-        size = 512
-        power = np.zeros((size, size))
-        for sites in sets:
-            place = sites.points.positions(surface)[:, :2]
-            pixel = np.clip(
-                ((place - surface.vertices[:, :2].min(axis=0)) / 20.0 * size).astype(int), 0, size - 1
-            )
-            dots = np.zeros((size, size))
-            np.add.at(dots, (size - 1 - pixel[:, 1], pixel[:, 0]), 1)
-            power += np.abs(np.fft.fftshift(np.fft.fft2(dots - dots.mean()))) ** 2 / dots.sum() / len(sets)
-            corner = np.kron(np.minimum(dots, 1)[:160, :160], np.ones((3, 3)))
-            dot = maximum_filter(corner, footprint=np.hypot(*np.mgrid[-4:5, -4:5]) < 4.3)
-            picture = 255 * (1 - dot)
-        middle = power[size // 2 - 120 : size // 2 + 120, size // 2 - 120 : size // 2 + 120]
-        pictures += [
-            picture.astype(np.uint8),
-            np.kron(np.clip(middle * 90, 0, 255), np.ones((2, 2))).astype(np.uint8),
-        ]
-        labels += [f"{label}: sites", f"{label}: spectrum of 8 sets"]
-    save(contact_sheet(pictures, labels, columns=4), "figure-10")
-
-
-def figure_11():
-    """Fig. 11 of the same paper: two anisotropies, across on the left and upright on the right."""
-    fields = {"across": {"axis": [1.0, 0.0, 0.0]}, "upright": {"axis": [0.0, 1.0, 0.0]}, "left": "x < 10"}
-    surface = plane(20.0, cells=24)
-    stretched = {"material": "leather", "preset": "sakurai-12a", "cell_ratio": 2.2, "cell_shape": "ellipse"}
-    layers = [{**stretched, "direction": "upright"}, {**stretched, "direction": "across", "mask": "left"}]
-    recipe = sx.Recipe.model_validate({"surftex": 1, "fields": fields, "layer": layers})
-    maps = sx.bake(surface, recipe, resolution=1024, seed=7)
-    save(render(maps, size=(640, 640), view="front", light="raking", zoom=1.06, floor=False), "figure-11")
-
-
-def figure_12():
-    """Fig. 12 and 16 of Sakurai et al.: the twelve settings of Table 1, 500 pixels of 0.02 mm, as height and lit."""
-    surface = plane(10.0, cells=24)
-    heights, lit, labels = [], [], []
-    for letter in "abcdefghijkl":
-        layer = {"material": "leather", "preset": f"sakurai-12{letter}", "stress": "up"}
-        recipe = sx.Recipe.model_validate(
-            {"surftex": 1, "fields": {"up": {"axis": [0.0, 1.0, 0.0]}}, "layer": [layer]}
-        )
-        maps = sx.bake(surface, recipe, resolution=500, seed=7)
-        grey = np.clip((maps["height"] + 0.08) / 0.16, 0, 1)
-        heights.append((255 * grey[:320, :320]).astype(np.uint8))
-        lit.append(render(maps, size=(320, 320), view="front", light="raking", zoom=1.8, floor=False))
-        labels.append(f"12 ({letter})")
-    save(contact_sheet(heights, labels, columns=4), "figure-12")
-    save(contact_sheet(lit, labels, columns=4), "figure-16")
-
-
-def figure_15():
-    """Fig. 15 and 14: height, its spectrum with the ring, and a section through furrows; round and long cells."""
-    surface = plane(20.0, cells=24)
-    rows = []
-    for ratio, shape in ((1.0, "round"), (5 / 3, "ellipse")):
-        layer = {
-            "material": "leather", "preset": "sakurai-12a", "cell_ratio": ratio, "cell_shape": shape, "direction": "up",
-        }  # fmt: skip
-        recipe = sx.Recipe.model_validate(
-            {"surftex": 1, "fields": {"up": {"axis": [0.0, 1.0, 0.0]}}, "layer": [layer]}
-        )
-        height = sx.bake(surface, recipe, resolution=768, seed=7, maps=("height",))["height"].astype(float)
-        texel = 20.0 / 768
-        spectrum = height_spectrum(height, texel)
-        line = (300.0, 384.0, 420.0, 384.0)
-        cut = flat_section(height, line[:2], line[2:], texel)
-        rows.append(drawn(height, spectrum, fitted_ring(spectrum), cut, line))
-    save(np.concatenate(rows), "figure-15")
 
 
 def shoe():
@@ -321,10 +241,6 @@ PICTURES = {
     for made in (
         front,
         hides,
-        figure_10,
-        figure_11,
-        figure_12,
-        figure_15,
         bags,
         shoe,
         chair,

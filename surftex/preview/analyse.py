@@ -171,15 +171,17 @@ def _spectrum_panel(spectrum: Spectrum, ring: Ring) -> NDArray[np.uint8]:
         np.uint8
     )
     if ring.radius > 0:
-        turn = np.linspace(0, 2 * np.pi, 180, endpoint=False)
+        turn = np.linspace(0, 2 * np.pi, 72, endpoint=False)
         long, short = ring.radius * np.sqrt(ring.ratio), ring.radius / np.sqrt(ring.ratio)
         spin = np.radians(ring.angle_deg)
         x = long * np.cos(turn) * np.cos(spin) - short * np.sin(turn) * np.sin(spin)
         y = long * np.cos(turn) * np.sin(spin) + short * np.sin(turn) * np.cos(spin)
         column = ((x / reach + 1) / 2 * _SIDE).astype(int)
         row = ((1 - y / reach) / 2 * _SIDE).astype(int)
-        inside = (column >= 0) & (column < _SIDE) & (row >= 0) & (row < _SIDE)
-        panel[row[inside], column[inside]] = (120, 255, 255)
+        for down, right in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            r, c = row + down, column + right
+            inside = (c >= 0) & (c < _SIDE) & (r >= 0) & (r < _SIDE)
+            panel[r[inside], c[inside]] = (20, 100, 255)
     return panel
 
 
