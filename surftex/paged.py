@@ -21,6 +21,22 @@ LARGEST_IN_MEMORY = 4096 * 4096
 _BLOCK_BYTES = 1 << 25
 
 
+def in_file(shape: tuple[int, ...]) -> bool:
+    """Tell whether a page of that size lies in a file.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows, columns, and channels where there are any.
+
+    Returns
+    -------
+    large : bool
+        Whether it has more than `LARGEST_IN_MEMORY` texels.
+    """
+    return shape[0] * shape[1] > LARGEST_IN_MEMORY
+
+
 def page(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
     """Make an array of zeros.
 
@@ -41,7 +57,7 @@ def page(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
     WorkError
         If that folder has no room.
     """
-    if shape[0] * shape[1] <= LARGEST_IN_MEMORY:
+    if not in_file(shape):
         return np.zeros(shape, dtype)
     size = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
     try:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import read_only_view
-from surftex.paged import blocks, let_go, page
+from surftex.paged import blocks, in_file, let_go, page
 
 
 def bilinear_stencil(
@@ -49,7 +49,7 @@ def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64
     Parameters
     ----------
     image : (height, width) or (height, width, c) array
-        Numbers of any type.
+        Numbers of any type. It may lie in a file, see `surftex.paged`: then it is read from top to bottom.
     uv : (n, 2) float64
         Places on the page.
 
@@ -63,7 +63,16 @@ def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64
     height, width = image.shape[:2]
     texels = read_only_view(image, image.dtype).reshape(height * width, -1)
     mixed = np.zeros((len(uv), texels.shape[1]))
-    mix_texels(texels, width, height, read_only_view(uv, np.float64), mixed)
+    if in_file(image.shape):
+        row = np.clip((1.0 - uv[:, 1]) * height - 0.5, 0, height - 1)
+        order = np.argsort(row, kind="stable")
+        for rows in blocks(image):
+            chosen = order[slice(*np.searchsorted(row[order], [rows.start, rows.stop]))]
+            value = np.zeros((len(chosen), texels.shape[1]))
+            mix_texels(texels, width, height, read_only_view(uv[chosen], np.float64), value)
+            mixed[chosen] = value
+    else:
+        mix_texels(texels, width, height, read_only_view(uv, np.float64), mixed)
     return mixed[:, 0] if image.ndim == 2 else mixed
 
 

@@ -12,7 +12,7 @@ from surftex.errors import WorkError
 from surftex.files.glb import glb_bytes
 from surftex.files.images import normal_codes, png_bytes, srgb_codes, unit_codes, write_exr, write_png
 from surftex.kernels.pool import slices
-from surftex.paged import LARGEST_IN_MEMORY, blocks
+from surftex.paged import blocks, in_file
 
 if TYPE_CHECKING:
     from surftex.maps.mapset import MapSet
@@ -134,9 +134,7 @@ def _suffixes(maps: "MapSet") -> list[str]:
 
 
 def _large(maps: "MapSet") -> bool:
-    return any(
-        "." in name or image.shape[0] * image.shape[1] > LARGEST_IN_MEMORY for name, image in maps.items()
-    )
+    return any("." in name or in_file(image.shape) for name, image in maps.items())
 
 
 def _write(path: Path, data: bytes) -> None:

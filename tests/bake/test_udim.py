@@ -124,7 +124,6 @@ def test_pages_in_files_are_the_same_pages(tmp_path, monkeypatch):
     plain = bake(ball, LEATHER, resolution=128, seed=2, maps=("base_color", "normal", "height", "roughness"))
     plain.save(tmp_path / "plain")
     monkeypatch.setattr(paged, "LARGEST_IN_MEMORY", 1000)
-    monkeypatch.setattr("surftex.maps.encode.LARGEST_IN_MEMORY", 1000)
     monkeypatch.setattr(paged, "_BLOCK_BYTES", 4096)
     paged_ = bake(
         ball, LEATHER, resolution=128, seed=2, tile=16, maps=("base_color", "normal", "height", "roughness")
