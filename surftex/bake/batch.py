@@ -1,7 +1,6 @@
 """`run_batch`: many bakes side by side, each whole or not there, none done twice."""
 
 import json
-import os
 import time
 from collections import deque
 from collections.abc import Callable
@@ -16,7 +15,6 @@ from surftex.bake.executors import Workers
 from surftex.bake.jobs import (
     Outcome,
     Task,
-    clear_leftovers,
     is_done,
     job_contents,
     job_key,
@@ -25,7 +23,9 @@ from surftex.bake.jobs import (
     prepared,
     write_files,
 )
-from surftex.errors import InputError, SurftexError, WorkError
+from surftex.errors import SurftexError, WorkError
+from surftex.files.output import write_whole
+from surftex.files.workplace import clear_remains
 from surftex.recipe.batch import Batch, Job
 
 MOST_DEATHS = 2
@@ -218,16 +218,16 @@ class _Run:
         """Start a job, or find it done; False if another batch is at it."""
         job, folder = self.batch.jobs[index], self.folder(index)
         with ExitStack() as stack:
+            if not stack.enter_context(job_lock(self.batch.out, job.name)):
+                return False
             try:
-                if not stack.enter_context(job_lock(self.batch.out, job.name)):
-                    return False
                 contents = job_contents(job.recipe)
                 key = job_key(job.recipe, contents)
                 if self.resume and is_done(folder, key):
                     self.finish(index, "kept", None, 0.0)
                     return True
                 prepared(job, folder, overwrite=self.overwrite)
-            except InputError as problem:
+            except SurftexError as problem:
                 self.fail(index, str(problem), problem.exit_code)
                 return True
             task = Task(
@@ -248,7 +248,7 @@ class _Run:
                 if outcome.problem is None and outcome.files:
                     write_files(folder, outcome.files, overwrite=True)
             except (BrokenProcessPool, CancelledError) as death:
-                clear_leftovers(folder)
+                clear_remains(folder)
                 self.died(flight, death)
                 return
             except SurftexError as problem:
@@ -319,7 +319,7 @@ class _Run:
         """Let go of what is being done when the batch is cancelled; the workers must be gone by then."""
         for flight in self.flights.values():
             with flight.lock:
-                clear_leftovers(self.folder(flight.index))
+                clear_remains(self.folder(flight.index))
 
 
 def write_report(out: Path, result: BatchResult) -> None:
@@ -346,11 +346,8 @@ def write_report(out: Path, result: BatchResult) -> None:
         "states": states,
         "jobs": [{**asdict(each), "folder": Path(each.folder).name} for each in result.results],
     }
-    draft = out / f".batch-report-{os.getpid()}.json"
     try:
         out.mkdir(parents=True, exist_ok=True)
-        draft.write_text(json.dumps(report, indent=1, ensure_ascii=False) + "\n", "utf-8")
-        draft.replace(out / "batch-report.json")
     except OSError as problem:
-        draft.unlink(missing_ok=True)
         raise WorkError(f"{out}: cannot write: {problem.strerror}") from None
+    write_whole(out / "batch-report.json", (json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode())

@@ -8,11 +8,10 @@ done when all of them still match.
 import hashlib
 import json
 import os
-import shutil
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from surftex.errors import InputError, SurftexError, WorkError
+from surftex.files.locks import locked
 from surftex.files.meshes import mesh_files
 from surftex.files.output import check_output, file_hashes, whole_output
 from surftex.files.reading import read_bytes
@@ -173,30 +173,19 @@ def prepared(job: Job, folder: Path, *, overwrite: bool) -> None:
     ------
     InputError
         If the folder holds files of somebody else.
+    WorkError
+        If it cannot be written to.
     """
-    clear_leftovers(folder)
-    ours = (folder.parent / LOCKS / f"{job.name}.made").exists()
-    if not overwrite and not ours and folder.is_dir() and any(folder.iterdir()):
-        raise InputError(
-            f"{folder} holds files that no batch made; move them away, or allow it with --overwrite"
-        )
     check_output(folder, overwrite=True)
-    (folder.parent / LOCKS / f"{job.name}.made").touch()
-
-
-def clear_leftovers(folder: Path) -> None:
-    """Delete the hidden folders that a killed job left beside its own.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the job, whose lock is held.
-    """
-    start = f".{folder.name}-"
-    for path in folder.parent.glob(f"{start}????????"):
-        rest = path.name.removeprefix(start)
-        if path.is_dir() and not path.is_symlink() and rest.replace("_", "a").isalnum():
-            shutil.rmtree(path, ignore_errors=True)
+    mark = folder.parent / LOCKS / f"{job.name}.made"
+    try:
+        if not overwrite and not mark.exists() and folder.is_dir() and any(folder.iterdir()):
+            raise InputError(
+                f"{folder} holds files that no batch made; move them away, or allow it with --overwrite"
+            )
+        mark.touch()
+    except OSError as problem:
+        raise WorkError(f"{folder}: cannot write: {problem.strerror}") from None
 
 
 @contextmanager
@@ -222,31 +211,11 @@ def job_lock(out: Path, name: str) -> Iterator[bool]:
     """
     try:
         (out / LOCKS).mkdir(parents=True, exist_ok=True)
-        handle = os.open(out / LOCKS / f"{name}.lock", os.O_RDWR | os.O_CREAT, 0o666)
+        lock = locked(out / LOCKS / f"{name}.lock")
     except OSError as problem:
-        raise WorkError(f"{out}: cannot write: {problem.strerror}") from None
-    try:
-        yield _locked(handle)
-    finally:
-        os.close(handle)
-
-
-def _locked(handle: int) -> bool:
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        import msvcrt
-
-        try:
-            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
-        except OSError:
-            return False
-        return True
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
+        raise WorkError(f"{out}: cannot write, or lock what is written: {problem.strerror}") from None
+    with lock or nullcontext():
+        yield lock is not None
 
 
 def perform(task: Task) -> Outcome:

@@ -1,14 +1,14 @@
 """Output that is whole or not there: files are made in a hidden folder beside, and appear by rename.
 
-Whatever goes wrong on the way (a full disk, Ctrl-C, a failure of the work), the output folder stays as it
-was. Files that are already there are replaced only when told, and files of other names are never touched.
+Whatever goes wrong on the way (a full disk, Ctrl-C, a failure of the work), the output folder stays as it was; what
+a killed process leaves behind is cleared by the next run into that folder. Files that are already there are replaced
+only when told, and files of other names are never touched.
 """
 
 import hashlib
 import os
-import shutil
+import secrets
 import signal
-import tempfile
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -16,10 +16,15 @@ from pathlib import Path
 from types import FrameType
 
 from surftex.errors import InputError, SurftexError, WorkError
+from surftex.files.locks import locked_where_possible
+from surftex.files.publishing import publish
+from surftex.files.workplace import DRAFT, Workplace, clear_drafts, clear_remains, make_workplace
 
 
 def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Path:
     """Refuse, before any work, an output folder that could not be written in the end.
+
+    What a killed process left half moved into it is moved on first, and other remains of the dead are cleared.
 
     Parameters
     ----------
@@ -47,6 +52,7 @@ def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bo
         raise InputError(f"{folder} is a symbolic link; name the folder that it points to")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file; name a folder for the output")
+    clear_remains(folder)
     present = [name for name in names if os.path.lexists(folder / name)]
     for name in present:
         if (folder / name).is_symlink() or not (folder / name).is_file():
@@ -89,25 +95,23 @@ def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Pat
     """
     folder = check_output(folder, overwrite=overwrite)
     made: list[Path] = []
-    workplace: Path | None = None
+    workplace: Workplace | None = None
     try:
         with _told_in_a_line(folder):
             with _undisturbed():
                 _make_folders(folder.absolute().parent, made)
-                workplace = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.absolute().parent))
-            staged = workplace / "new"
-            staged.mkdir()
-            yield staged
-            for path in staged.iterdir():
+                workplace = make_workplace(folder)
+            yield workplace.staged
+            for path in workplace.staged.iterdir():
                 _sync(path)
             with _undisturbed(f"interrupted, but {folder} is written, and whole"):
-                _publish(staged, folder, workplace, overwrite)
+                _publish(workplace, folder, overwrite)
                 made.clear()
-                shutil.rmtree(workplace, ignore_errors=True)
+                workplace.leave()
     finally:
         with _undisturbed():
             if workplace is not None:
-                shutil.rmtree(workplace, ignore_errors=True)
+                workplace.leave()
             for parent in reversed(made):
                 parent.rmdir()
 
@@ -132,10 +136,12 @@ def write_whole(path: str | Path, data: bytes) -> None:
     target = Path(path)
     if target.is_dir():
         raise InputError(f"{target} is a folder; name a file")
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
+    clear_drafts(target)
+    draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}{DRAFT}")
     try:
-        draft.write_bytes(data)
-        _sync(draft)
+        with locked_where_possible(draft):
+            draft.write_bytes(data)
+            _sync(draft)
         draft.replace(target)
     except OSError as problem:
         raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
@@ -219,24 +225,12 @@ def _sync(path: Path) -> None:
         os.close(handle)
 
 
-def _publish(staged: Path, folder: Path, workplace: Path, overwrite: bool) -> None:
-    """Move all files of `staged` into the folder; put back what was there if one cannot be moved."""
-    names = sorted(path.name for path in staged.iterdir())
+def _publish(workplace: Workplace, folder: Path, overwrite: bool) -> None:
+    """Let all staged files appear in the folder, unless it has come to hold some of them."""
+    names = [path.name for path in workplace.staged.iterdir()]
     check_output(folder, names, overwrite=overwrite)
-    if not folder.exists():
-        staged.rename(folder)
-        return
-    aside = workplace / "old"
-    aside.mkdir()
     try:
-        for name in names:
-            if (folder / name).exists():
-                (folder / name).rename(aside / name)
-            (staged / name).rename(folder / name)
-    except BaseException:
-        for name in names:
-            if (aside / name).exists():
-                (aside / name).replace(folder / name)
-            elif not (staged / name).exists():
-                (folder / name).unlink(missing_ok=True)
+        publish(workplace, folder, overwrite=overwrite)
+    except FileExistsError:
+        check_output(folder, names, overwrite=overwrite)
         raise

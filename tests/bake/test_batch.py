@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from surftex.bake.batch import run_batch
-from surftex.bake.jobs import LOCKS, clear_leftovers, job_lock
+from surftex.bake.jobs import LOCKS, job_lock
 from surftex.recipe.batch import load_batch
 
 JOBS = """
@@ -175,11 +175,16 @@ def test_a_job_in_other_hands_is_waited_for_and_then_kept(studio):
     assert [result.state for result in results[0].results] == ["kept"] * 4
 
 
-def test_leftovers_of_a_killed_job_go_and_those_of_a_neighbour_stay(tmp_path):
-    for name in (".shoe-ab1_2cde", ".shoe-calf-ab12cdef", ".shoe-short", "shoe"):
-        (tmp_path / name / "new").mkdir(parents=True)
-    clear_leftovers(tmp_path / "shoe")
-    assert sorted(path.name for path in tmp_path.iterdir()) == [".shoe-calf-ab12cdef", ".shoe-short", "shoe"]
+def test_a_job_whose_folder_cannot_be_written_fails_alone(studio, monkeypatch):
+    plain = os.access
+    monkeypatch.setattr(
+        os, "access", lambda path, mode: Path(path).name != "one-calf-2" and plain(path, mode)
+    )
+    (studio / "out" / "one-calf-2").mkdir(parents=True)
+    result = done_in(studio, keep_going=True)
+    assert [each.state for each in result.results] == ["done", "failed", "done", "done"]
+    assert "one-calf-2: cannot write" in (result.results[1].reason or "")
+    assert result.exit_code == 3
 
 
 def started(studio, *more):

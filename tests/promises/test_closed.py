@@ -24,7 +24,9 @@ def watch(event, arguments):
         if flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT):
             seen.append((event, os.path.abspath(os.fsdecode(arguments[0]))))
     if event in ("os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.symlink", "os.link"):
-        seen.append((event, os.path.abspath(os.fsdecode(arguments[0]))))
+        inside = event in ("os.remove", "os.rmdir") and arguments[1] >= 0  # told by an open folder
+        start = os.readlink(f"/proc/self/fd/{arguments[1]}") if inside else os.getcwd()
+        seen.append((event, os.path.abspath(os.path.join(start, os.fsdecode(arguments[0])))))
 sys.addaudithook(watch)
 from surftex.cli import main
 code = main(sys.argv[1:])
