@@ -127,13 +127,17 @@ def test_a_recipe_with_its_own_mesh(ball):
         "[fields]\nup = { gradient = [0, 0, 1] }\n[[layer]]\npreset = 'sakurai-12a'\ncell_size = 2\n"
         "[[layer]]\npreset = 'sakurai-12a'\ncell_size = 3\nmask = 'smoothstep(0.3, 0.7, up)'\n"
     )
-    process = surftex("bake", "my.toml", "--out", "out", "--json", "--displaced", folder=ball)
+    process = surftex("bake", "my.toml", "--out", "out", "--json", "--displaced", "--materialx", "--usd-format", "usdc",
+                      folder=ball)  # fmt: skip
     assert process.returncode == 0, process.stderr
     report = json.loads(process.stdout)
     assert report["seed"] == 3
     assert report["mesh"]["area_mm2"] == pytest.approx(np.pi * 400, rel=0.02)
     assert {"cell", "layer2_cell"} <= set(report["features"])
-    assert "ball_displaced.glb" in report["outputs"]
+    assert {"ball_displaced.glb", "ball.mtlx", "ball.usdc"} <= set(report["outputs"])
+    assert (report["recipe"]["bake"]["usd"], report["recipe"]["bake"]["materialx"]) == (True, True)
+    again = surftex("bake", "my.toml", "--out", "out", "--usd-format", "usdc", folder=ball)
+    assert again.returncode == 2
 
 
 MISTAKES = [

@@ -152,6 +152,10 @@ def run(
         raise InputError(f"threads is {threads}; it takes at least 1")
     if tile is not None and tile < 1:
         raise InputError(f"tile is {tile}; it takes at least 1 row")
+    if recipe.bake.usd:
+        from surftex.files.usd import check_usd
+
+        check_usd()
     try:
         return _bake(
             subject, recipe, features, threads, tile, Stages(progress), remember=remember, growth=growth

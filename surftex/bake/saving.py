@@ -10,6 +10,7 @@ from surftex.files.output import check_output, whole_output
 if TYPE_CHECKING:
     from surftex.bake.displacing import Baked
     from surftex.maps.mapset import MapSet
+    from surftex.recipe.model import BakeSettings
 
 More = tuple[Sequence[str], Callable[[Path], None]]
 """Names of further files, and what writes them into a folder."""
@@ -68,13 +69,15 @@ def save(
             more[1](workplace)
 
     return save_maps(
-        baked.maps, folder, more=(names, write), overwrite=overwrite, threads=threads, progress=progress
-    )
+        baked.maps, folder, baked.recipe.bake,
+        more=(names, write), overwrite=overwrite, threads=threads, progress=progress,
+    )  # fmt: skip
 
 
 def save_maps(
     maps: "MapSet",
     folder: str | Path,
+    settings: "BakeSettings",
     *,
     more: More | None = None,
     overwrite: bool = False,
@@ -89,6 +92,8 @@ def save_maps(
         What was made.
     folder : path
         As for `save`.
+    settings : BakeSettings
+        Say whether MaterialX and USD are wanted too.
     more : (names, write), optional
         As for `save`.
     overwrite : bool
@@ -110,13 +115,16 @@ def save_maps(
     WorkError
         As `save`.
     """
+    from surftex.maps.exchange import exchange_names
+
     told = progress or (lambda stage, share: None)
     names, write = more or ((), lambda workplace: None)
-    check_output(folder, [*maps.file_names, *names], overwrite=overwrite)
+    names = [*maps.file_names, *exchange_names(maps.stem, **settings.exchange), *names]
+    check_output(folder, names, overwrite=overwrite)
     with whole_output(folder, overwrite=overwrite) as workplace:
         write(workplace)
         told("save", 0.0)
-        maps.write(workplace, threads=threads)
+        maps.write(workplace, **settings.exchange, threads=threads)
         written = sorted(path.name for path in workplace.iterdir())
     told("save", 1.0)
     return [Path(folder) / name for name in written]

@@ -147,7 +147,25 @@ def make_recipe(options: Namespace) -> "Recipe":
         texels_per_mm=options.texels_per_mm,
         displaced=options.displaced or options.displaced_format is not None or None,
         displaced_format=options.displaced_format,
+        **exchange_settings(options),
     )  # fmt: skip
+
+
+def exchange_settings(options: Namespace) -> dict[str, Any]:
+    """Read what is wanted beside maps and GLB.
+
+    Parameters
+    ----------
+    options : Namespace
+        Of ``bake`` or ``tile``.
+
+    Returns
+    -------
+    settings : dict
+        Keys of `surftex.recipe.model.BakeSettings`; a format alone asks for USD.
+    """
+    usd = True if options.usd_format is not None else options.usd
+    return {"materialx": options.materialx, "usd": usd, "usd_format": options.usd_format}
 
 
 def _stem(recipe: "Recipe") -> str:
@@ -164,5 +182,8 @@ def _material_name(options: Namespace, recipe: "Recipe") -> str:
 def _check(folder: Path, recipe: "Recipe", *, overwrite: bool) -> None:
     """Refuse before any work what could not be written in the end."""
     from surftex.files.output import check_output
+    from surftex.maps.exchange import exchange_names
 
-    check_output(folder, [f"{_stem(recipe)}.glb", "features.npz", "report.json"], overwrite=overwrite)
+    stem = _stem(recipe)
+    names = [f"{stem}.glb", *exchange_names(stem, **recipe.bake.exchange), "features.npz", "report.json"]
+    check_output(folder, names, overwrite=overwrite)

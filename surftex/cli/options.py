@@ -174,6 +174,7 @@ def _bake(parser: Parser) -> None:
         choices=["glb", "obj", "ply", "stl"],
         help="of the displaced mesh (default: glb)",
     )
+    _exchange(parser)
     parser.add_argument(
         "--max-features", type=_whole, metavar="N", help="refuse beyond this (default: 5000000)"
     )
@@ -222,6 +223,7 @@ def _tile(parser: Parser) -> None:
         "--growth", metavar="FILE.npz", help="keep the growth in this file, and go on from it"
     )
     _frames(parser)
+    _exchange(parser)
     parser.add_argument(
         "--max-features", type=_whole, metavar="N", help="refuse beyond this (default: 5000000)"
     )
@@ -518,6 +520,20 @@ def _render(parser: Parser) -> None:
 def _frames(parser: Parser) -> None:
     parser.add_argument(
         "--frames", type=_whole, metavar="N", default=0, help="draw the growth of cells in N pictures as well"
+    )
+
+
+def _exchange(parser: Parser) -> None:
+    parser.add_argument(
+        "--materialx", action="store_true", default=None, help="write the material as MaterialX as well"
+    )
+    parser.add_argument(
+        "--usd", action="store_true", default=None, help="write mesh and material as USD as well"
+    )
+    parser.add_argument(
+        "--usd-format",
+        choices=["usda", "usdc", "usdz"],
+        help="text, binary, or one file with everything inside (default: usda)",
     )
 
 

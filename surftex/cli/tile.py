@@ -4,7 +4,7 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
-from surftex.cli.bake import frames_of
+from surftex.cli.bake import exchange_settings, frames_of
 from surftex.cli.say import out
 from surftex.cli.watch import ColdWatch
 from surftex.errors import RecipeError
@@ -28,6 +28,7 @@ def run(options: Namespace) -> None:
     from surftex.bake.tiling import bake_tile
     from surftex.files.output import check_output
     from surftex.kernels import store
+    from surftex.maps.exchange import exchange_names
     from surftex.recipe.model import Recipe
     from surftex.recipe.read import recipe_for
     from surftex.units import length_mm
@@ -37,19 +38,21 @@ def run(options: Namespace) -> None:
     recipe = Recipe.of(
         recipe_for(named, allow_outside=options.allow_outside, changes=options.changes),
         resolution=options.resolution, seed=options.seed, maps=options.maps, max_features=options.max_features,
+        **exchange_settings(options),
     )  # fmt: skip
     try:
         side = length_mm(options.side)
     except RecipeError as problem:
         raise RecipeError(f"--side: {problem}") from None
     folder, stem = Path(options.out or f"{name}-tile"), f"{name}-tile"
-    check_output(folder, [f"{stem}.glb", "features.npz", "report.json"], overwrite=options.overwrite)
+    names = [f"{stem}.glb", *exchange_names(stem, **recipe.bake.exchange), "features.npz", "report.json"]
+    check_output(folder, names, overwrite=options.overwrite)
     growth = Growth(options.growth, options.frames)
     cold = not store.is_warm("tile") and not options.quiet
     with ColdWatch(cold=cold, quiet=options.quiet, verbose=options.verbose) as watch:
         maps = bake_tile(recipe, side, growth=growth, threads=options.threads, progress=watch, stem=stem)
         paths = save_maps(
-            maps, folder, more=frames_of(maps, recipe, growth, options, watch), overwrite=options.overwrite,
+            maps, folder, recipe.bake, more=frames_of(maps, recipe, growth, options, watch), overwrite=options.overwrite,
             threads=options.threads, progress=watch,
         )  # fmt: skip
     store.mark_warm("tile")

@@ -163,11 +163,25 @@ def _placed(surface: Surface) -> tuple[list[float] | None, NDArray[np.float64]]:
 
     The origin goes into the vertices, unless it lies so far off that their float32 would lose fine detail.
     """
-    origin = surface.origin_mm
-    size = np.ptp(surface.vertices, axis=0).max()
-    if np.abs(origin).max() > _FAR * size:
-        return (origin / 1000).tolist(), np.zeros(3)
-    return None, origin
+    if far_origin(surface):
+        return (surface.origin_mm / 1000).tolist(), np.zeros(3)
+    return None, surface.origin_mm
+
+
+def far_origin(surface: Surface) -> bool:
+    """Tell whether a mesh lies so far from the origin of its file that float32 would lose fine detail.
+
+    Parameters
+    ----------
+    surface : Surface
+        Any.
+
+    Returns
+    -------
+    far : bool
+        Then its place belongs into a transform.
+    """
+    return bool(np.abs(surface.origin_mm).max() > _FAR * np.ptp(surface.vertices, axis=0).max())
 
 
 def _primitive(

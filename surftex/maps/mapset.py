@@ -18,6 +18,7 @@ from surftex.paged import blocks
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
+    from surftex.maps.exchange import Usd
     from surftex.maps.notebook import TexturedMesh
 
 MAPS = {
@@ -101,7 +102,7 @@ class MapSet(Mapping[str, NDArray[Any]]):
 
     @property
     def file_names(self) -> list[str]:
-        """Names of the files that `save` writes."""
+        """Names of the files that `save` writes unless told more."""
         from surftex.maps.encode import file_name, textures_beside
 
         names = [
@@ -110,13 +111,25 @@ class MapSet(Mapping[str, NDArray[Any]]):
         ]
         return [*names, *(["features.npz"] if self.features is not None else []), "report.json"]
 
-    def save(self, folder: str | Path, *, overwrite: bool = False, threads: int | None = None) -> list[Path]:
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        materialx: bool = False,
+        usd: "Usd | None" = None,
+        overwrite: bool = False,
+        threads: int | None = None,
+    ) -> list[Path]:
         """Write maps, GLB, features and report: all of them, or nothing.
 
         Parameters
         ----------
         folder : path
             Made when it is missing. Files of other names in it stay.
+        materialx : bool
+            Write the material as MaterialX as well.
+        usd : {"usda", "usdc", "usdz"}, optional
+            Write mesh and material as USD as well; it takes the extra ``usd``.
         overwrite : bool
             Whether files of the same names may be replaced.
         threads : int, optional
@@ -134,26 +147,42 @@ class MapSet(Mapping[str, NDArray[Any]]):
         WorkError
             If the disk does not take them.
         """
-        check_output(folder, self.file_names, overwrite=overwrite)
+        from surftex.maps.exchange import exchange_names
+
+        more = exchange_names(self.stem, materialx=materialx, usd=usd)
+        check_output(folder, [*self.file_names, *more], overwrite=overwrite)
         with whole_output(folder, overwrite=overwrite) as workplace:
-            self.write(workplace, threads=threads)
+            self.write(workplace, materialx=materialx, usd=usd, threads=threads)
             names = sorted(path.name for path in workplace.iterdir())
         return [Path(folder) / name for name in names]
 
-    def write(self, workplace: Path, *, threads: int | None = None) -> None:
+    def write(
+        self,
+        workplace: Path,
+        *,
+        materialx: bool = False,
+        usd: "Usd | None" = None,
+        threads: int | None = None,
+    ) -> None:
         """Write everything into a folder that is nobody's yet; `save` and bakes with more files build on it.
 
         Parameters
         ----------
         workplace : Path
             From `surftex.files.output.whole_output`. The report lists all files that are in it.
+        materialx : bool
+            As for `save`.
+        usd : {"usda", "usdc", "usdz"}, optional
+            As for `save`.
         threads : int, optional
             None means every core.
         """
         from surftex.files.features import save_features
         from surftex.maps.encode import write_maps
+        from surftex.maps.exchange import write_exchange
 
         write_maps(self, workplace, threads=threads)
+        write_exchange(self, workplace, materialx=materialx, usd=usd)
         if self.features is not None:
             save_features(workplace / "features.npz", self.features)
         report = {**self.report, "outputs": file_hashes(workplace)}

@@ -38,6 +38,9 @@ class _Options(BaseModel):
     texels_per_mm: Any = None
     displaced: Any = None
     displaced_format: Any = None
+    materialx: Any = None
+    usd: Any = None
+    usd_format: Any = None
     max_features: Any = None
     units: Any = None
     size: Any = None

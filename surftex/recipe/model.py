@@ -85,7 +85,19 @@ class BakeSettings(BaseModel):
     displaced_edge: PositiveMillimetres | None = Field(
         default=None, description="Longest edge of the displaced mesh; two texels if not given."
     )
+    materialx: StrictBool = Field(default=False, description="Write the material as MaterialX as well.")
+    usd: StrictBool = Field(
+        default=False, description="Write mesh and material as USD as well; it takes the extra `usd`."
+    )
+    usd_format: Literal["usda", "usdc", "usdz"] = Field(
+        default="usda", description="Text, binary, or one file with the pictures inside."
+    )
     max_features: Annotated[StrictInt, Field(ge=1)] = 5_000_000
+
+    @property
+    def exchange(self) -> dict[str, Any]:
+        """What is wanted beside maps and GLB, as `surftex.maps.exchange` takes it."""
+        return {"materialx": self.materialx, "usd": self.usd_format if self.usd else None}
 
     @model_validator(mode="after")
     def _fits_tiles(self) -> "BakeSettings":
@@ -93,6 +105,8 @@ class BakeSettings(BaseModel):
             raise ValueError("texels_per_mm spreads an unwrap over tiles; it takes udim = true (--udim)")
         if self.udim and self.equalise:
             raise ValueError("equalise works on one page; leave it out where udim is true")
+        if self.udim and self.usd and self.usd_format == "usdz":
+            raise ValueError("a .usdz holds one page; take usda or usdc where udim is true")
         return self
 
     @field_validator("maps")
