@@ -16,7 +16,7 @@ BY_ITS_FILES = {"openexr": "BSD-3-Clause"}
 HEAD = """# Licences of what surftex runs on
 
 Made by `python -m docs.make_licences` from the metadata of what is installed; surftex itself is MIT. The first table is what
-`pip install surftex` brings, the second what the extra `cluster` adds; tools of development are not listed. Wheels that carry
+`pip install surftex` brings, the others what each extra adds; tools of development are not listed. Wheels that carry
 libraries of their own (imagecodecs, vtk, scipy, pillow) list the licences of these in their own files.
 """
 
@@ -67,8 +67,11 @@ def table(distributions: dict[str, metadata.Distribution]) -> str:
 def written() -> str:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     own = closure(project["dependencies"])
-    more = closure(project["optional-dependencies"]["cluster"], frozenset(own))
-    return f"{HEAD}\n{table(own)}\n## Extra `cluster`\n\n{table(more)}"
+    text = f"{HEAD}\n{table(own)}"
+    for extra, names in project["optional-dependencies"].items():
+        if extra != "dev":
+            text += f"\n## Extra `{extra}`\n\n{table(closure(names, frozenset(own)))}"
+    return text
 
 
 if __name__ == "__main__":
