@@ -1,5 +1,7 @@
 """The one check of shape, type and finiteness, and the one way to hand out arrays that nobody can change."""
 
+import math
+import operator
 from typing import Any
 
 import numpy as np
@@ -84,10 +86,78 @@ def checked(
             raise error(f"{name} leaves the range of {dtype}: {array.min()} to {array.max()}")
     elif array.dtype.kind == "f":
         wrong = np.argwhere(~np.isfinite(array))
+        if len(wrong) and not array.ndim:
+            raise error(f"{name} is {array}; it takes a finite number")
         if len(wrong):
             where = tuple(int(i) for i in wrong[0])
-            raise error(f"{name} holds {len(wrong)} values that are not finite; the first is {list(where)}")
+            raise error(
+                f"{name} holds {len(wrong)} values that are not finite, of {array.size}; the first is {list(where)}"
+            )
     return array.astype(dtype, copy=False)
+
+
+def checked_number(value: Any, name: str, low: float, high: float = math.inf) -> float:
+    """Refuse what is no number, or leaves its range.
+
+    Parameters
+    ----------
+    value : number
+        What the caller gave.
+    name : str
+        What the message calls it.
+    low, high : float
+        Its range, ends included.
+
+    Returns
+    -------
+    number : float
+        The same.
+
+    Raises
+    ------
+    InputError
+        Naming the argument, and its range.
+    """
+    try:
+        if isinstance(value, (str, bytes)) or np.ndim(value):
+            raise TypeError("text or several")
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} is {' '.join(repr(value).split())[:60]}; it takes one number") from None
+    if not low <= number <= high:
+        limits = (
+            f"goes from {low:.10g} to {high:.10g}" if math.isfinite(high) else f"takes at least {low:.10g}"
+        )
+        raise InputError(f"{name} is {number:.10g}; it {limits}")
+    return number
+
+
+def checked_whole(value: Any, name: str, low: float, high: float = math.inf) -> int:
+    """Refuse what is no whole number, or leaves its range.
+
+    Parameters
+    ----------
+    value : number
+        What the caller gave; 3.0 is whole.
+    name : str
+        What the message calls it.
+    low, high : float
+        Its range, ends included.
+
+    Returns
+    -------
+    number : int
+        The same.
+
+    Raises
+    ------
+    InputError
+        Naming the argument, and its range.
+    """
+    number = checked_number(value, name, low, high)
+    if not number.is_integer():
+        raise InputError(f"{name} is {number:.10g}; it takes a whole number")
+    return operator.index(value) if hasattr(value, "__index__") else int(number)
 
 
 def read_only_view(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:

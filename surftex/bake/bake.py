@@ -216,7 +216,7 @@ def _bake(
         seam = measured_seams(surface, atlas, pages)
     with stages.stage("scales"):
         scales = scale_report(surface, recipe, features=stack.features)
-    warnings = surface.warnings + unwrapping.notes + atlas.notes + clamped_warnings(pages)
+    warnings = surface.warnings + unwrapping.notes + atlas.notes + clamped_warnings(pages, stack)
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved

@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 
 from surftex.bake.pages import Pages
+from surftex.bake.stack import Stack
 from surftex.maps.encode import file_name
-from surftex.optics.inputs import METRES_PER_MM, blender_radius
+from surftex.optics.inputs import METRES_PER_MM, blender_radius, subsurface_facts
 
 _SOCKETS = {
     "base_color": "Base Color",
@@ -68,36 +69,37 @@ def subsurface_report(pages: Pages, stem: str) -> dict[str, Any]:
     """
     if "subsurface_radius_mm" not in pages.mean:
         return {}
-    return {
-        "profile": "Christensen-Burley",
-        "radius_mm": np.round(pages.mean["subsurface_radius_mm"], 6).tolist(),
-        "weight": round(float(pages.mean.get("subsurface", 1.0)), 6),
-        "map": file_name(stem, "subsurface_radius_mm"),
-    }
+    facts = subsurface_facts(pages.mean["subsurface_radius_mm"], float(pages.mean.get("subsurface", 1.0)))
+    return {**facts, "map": file_name(stem, "subsurface_radius_mm")}
 
 
-def clamped_warnings(pages: Pages) -> tuple[str, ...]:
+def clamped_warnings(pages: Pages, stack: Stack) -> tuple[str, ...]:
     """Warn of channels that leave their range on more than a hundredth of the surface.
 
     Parameters
     ----------
     pages : Pages
         The maps.
+    stack : Stack
+        What they show; its patterns know the ranges.
 
     Returns
     -------
     warnings : tuple of str
         One per channel, with the range.
     """
-    from surftex.optics.tissue import PARAMETERS
-
+    ranges: dict[str, set[tuple[float, float]]] = {}
+    for pattern in stack.patterns:
+        for name, ends in getattr(pattern, "ranges", {}).items():
+            ranges.setdefault(name, set()).add(ends)
     told = []
     for name, count in pages.clamped.items():
         if count > 0.01 * pages.core:
-            scale = 10 if name.endswith("_mm") else 1
-            parameter = PARAMETERS[name.replace("_mm", "_cm")]
+            known = " or ".join(
+                f"goes from {low:g} to {high:g}" if high > low else f"is {low:g} alone in the table"
+                for low, high in sorted(ranges[name])
+            )
             told.append(
-                f"{name} left its range at {count} of {pages.core} texels and was moved into it; "
-                f"it goes from {scale * parameter.low:g} to {scale * parameter.high:g}"
+                f"{name} left its range at {count} of {pages.core} texels and was moved into it; it {known}"
             )
     return tuple(told)

@@ -42,14 +42,19 @@ def run(options: Namespace) -> None:
     try:
         with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
             report = match_to_file(
-                making, path, overwrite=options.overwrite, look=options.cache, threads=options.threads,
+                making, path, overwrite=options.overwrite, remember=options.cache, threads=options.threads,
                 tick=lambda share: watch("match", share),
             )  # fmt: skip
     except KeyboardInterrupt:
         raise _InterruptedError(
             f"interrupted; {path} was not written, but its finished pieces are kept: "
             "the same command goes on from them"
+            if options.cache
+            else f"interrupted; {path} was not written, and nothing is kept"
         ) from None
+    if not options.quiet:
+        for warning in report["warnings"]:
+            note(f"warning: {warning}")
     if options.json:
         out(json.dumps(report, indent=1, ensure_ascii=False))
     elif not options.quiet:
@@ -64,15 +69,21 @@ def _pairs(texts: list[str], what: str) -> dict[str, str]:
         name, sign, value = text.partition("=")
         if not sign or not name.strip() or not value.strip():
             raise InputError(f"{text!r} sets nothing; write {what}")
+        if name.strip() in pairs:
+            raise InputError(
+                f"{name.strip()} is set twice, to {pairs[name.strip()]} and {value.strip()}; keep one"
+            )
         pairs[name.strip()] = value.strip()
     return pairs
 
 
-def _nodes(text: str | None) -> dict[str, int]:
+def _nodes(texts: list[str]) -> dict[str, int]:
     from surftex.optics.making import NODES
 
     found = {}
-    for name, value in _pairs(text.split(",") if text else [], "--nodes melanin=8,blood=6").items():
+    for name, value in _pairs(
+        [each for text in texts for each in text.split(",")], "--nodes melanin=8,blood=6"
+    ).items():
         if not value.isdecimal():
             raise InputError(f"nodes of {name} are {value!r}; they are a whole number")
         found[name] = int(value)

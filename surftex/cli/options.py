@@ -423,7 +423,10 @@ def _match(parser: Parser) -> None:
     parser.add_argument(
         "--seed", type=_whole, metavar="N", default=0, help="of everything random (default: 0)"
     )
-    parser.add_argument("--nodes", metavar="A=N,B=N,...", help="of each parameter, such as melanin=8,blood=6")
+    parser.add_argument(
+        "--nodes", action="append", default=[], metavar="A=N,B=N,...",
+        help="of each parameter, such as melanin=8,blood=6; may be repeated; a parameter of one node has no effect",
+    )  # fmt: skip
     parser.add_argument(
         "--paths", type=_whole, metavar="N", default=20_000, help="photons per wavelength (default: 20000)"
     )
@@ -437,7 +440,7 @@ def _match(parser: Parser) -> None:
     parser.add_argument(
         "--fit-reflectance",
         action="store_true",
-        help="match the reflectance too, as the thesis does; else it is that of the skin's index",
+        help="match the reflectance too, as the thesis does, up to 0.08; else it is that of the skin's index",
     )
     parser.add_argument(
         "--facing",
@@ -456,7 +459,7 @@ def _match(parser: Parser) -> None:
     parser.add_argument("--threads", type=_whole, metavar="N", help="threads to use (default: all cores)")
     parser.add_argument(
         "--cache", action=argparse.BooleanOptionalAction, default=True,
-        help="go on from pieces that an earlier run has finished (default: --cache)",
+        help="go on from pieces that an earlier run has finished, and keep the new ones (default: --cache)",
     )  # fmt: skip
     parser.add_argument("--overwrite", action="store_true", help="replace the table")
     parser.add_argument("--json", action="store_true", help="print the report on stdout")

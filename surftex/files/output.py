@@ -149,6 +149,30 @@ def write_whole(path: str | Path, data: bytes) -> None:
         draft.unlink(missing_ok=True)
 
 
+def check_place(path: str | Path) -> None:
+    """Refuse, before any work, a file that could not be written in the end.
+
+    Parameters
+    ----------
+    path : path
+        Of the file; it is not touched.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written beside it.
+    """
+    target = Path(path)
+    try:
+        with tempfile.NamedTemporaryFile(prefix=f".{target.name}.", dir=target.absolute().parent):
+            pass
+    except OSError as problem:
+        reason = problem.strerror or problem
+        raise InputError(
+            f"{target}: cannot write in {target.absolute().parent} ({reason}); choose another folder"
+        ) from None
+
+
 def file_hashes(folder: str | Path) -> dict[str, str]:
     """Tell the files of a folder by their bytes.
 

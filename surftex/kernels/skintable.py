@@ -15,8 +15,8 @@ def read_table(grid, size, bounds, value, out, beyond):
     """Look up n samples.
 
     grid (k,) float32: rows of eight numbers, the first and the last three as logarithms; last parameter fastest;
-    size (6,) int64: steps of each; bounds (6, 3) float32: low, high, and 1 where the steps are even, else their
-    logarithms are; value (6, n) float32
+    size (6,) int64: steps of each; bounds (6, 3) float32: low, high (the same where the size is 1), and 1 where the
+    steps are even, else their logarithms are; value (6, n) float32
     -> out (n, 8) float32; adds to beyond (6,) int64 how many samples left the range, by more than
     rounding.
     """
@@ -27,7 +27,7 @@ def read_table(grid, size, bounds, value, out, beyond):
         even = bounds[d, 2] == 1.0
         low[d] = bounds[d, 0] if even else math.log(bounds[d, 0])
         high = bounds[d, 1] if even else math.log(bounds[d, 1])
-        scale[d] = (size[d] - 1) / (high - low[d])
+        scale[d] = (size[d] - 1) / (high - low[d]) if size[d] > 1 else 0.0
         stride[d] = step if size[d] > 1 else 0
         step *= size[d]
     pair, place = np.zeros((3, 4), np.float32), np.zeros((3, 4), np.int64)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import checked
+from surftex.arrays import checked, checked_whole
 from surftex.errors import InputError
 from surftex.kernels.pool import slices
 from surftex.optics.table import SkinTable, shipped_table
@@ -32,7 +32,8 @@ class SkinAppearance:
     subsurface_radius_mm : (n, 3) float32
         Mean free path for red, green and blue, for Christensen and Burley's profile.
     clamped : dict of str to int
-        How many samples of each parameter were moved into its range; only those that were.
+        How many samples of each parameter were moved into the range of the table, which is one value where it has one
+        node; only those that were.
     """
 
     base_color: NDArray[np.float32]
@@ -66,7 +67,7 @@ def lookup(
     Raises
     ------
     InputError
-        For a name that skin does not have, lengths that differ, or numbers that are not finite.
+        For a name that skin does not have, lengths that differ, numbers that are not finite, or what is no table.
 
     Examples
     --------
@@ -78,16 +79,17 @@ def lookup(
 
     check_names(parameters)
     table = shipped_table() if table is None else table
-    given = {
-        name: checked(value, name, (None,) if np.ndim(value) else (), np.float32)
-        for name, value in parameters.items()
-    }
-    count = 1
-    for name, value in given.items():
-        if value.ndim and count not in (1, len(value)):
-            raise InputError(f"{name} holds {len(value)} samples where others hold {count}")
-        count = max(count, len(value) if value.ndim else 1)
-    count = next((len(value) for value in given.values() if value.ndim), count)
+    if not isinstance(table, SkinTable):
+        raise InputError(f"table is a {type(table).__name__}; it takes what load_table has read")
+    if threads is not None:
+        threads = checked_whole(threads, "threads", 1)
+    with np.errstate(over="ignore"):  # infinite as float32: beyond the range, and counted so
+        given = {name: checked(value, name, _shape(value), np.float32) for name, value in parameters.items()}
+    lengths = {name: len(value) for name, value in given.items() if value.ndim}
+    count = next(iter(lengths.values()), 1)
+    for name, length in lengths.items():
+        if length != count:
+            raise InputError(f"{name} holds {length} samples where {next(iter(lengths))} holds {count}")
     value = np.zeros((len(PARAMETERS), count), np.float32)
     for row, (name, parameter) in zip(value, PARAMETERS.items(), strict=True):
         row[:] = given.get(name, np.float32(parameter.usual))
@@ -103,6 +105,11 @@ def lookup(
     clamped = {name: int(n) for name, n in zip(PARAMETERS, beyond, strict=True) if n}
     whole = np.ones(count, np.float32)
     return SkinAppearance(out[:, :3], out[:, 3], out[:, 4], whole, out[:, 5:], clamped)
+
+
+def _shape(value: Any) -> tuple[None, ...]:
+    """Shape that one parameter may have: (n,), or that of one number."""
+    return (None,) if isinstance(value, (list, tuple)) or np.ndim(value) else ()
 
 
 def skin_color(**biology: float) -> NDArray[np.float64]:

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surftex.arrays import checked_whole
+from surftex.errors import InputError
 from surftex.optics.appearance import SkinAppearance
 from surftex.optics.subsurface import profile_width
 
@@ -34,6 +36,28 @@ def blender_radius(radius_mm: ArrayLike, base_color: ArrayLike) -> NDArray[np.fl
     return _CYCLES_RADIUS * profile_width(radius_mm, base_color)
 
 
+def subsurface_facts(radius_mm: ArrayLike, weight: float) -> dict[str, Any]:
+    """Write how far light wanders as reports and ``surftex_subsurface`` in the extras of glTF materials have it.
+
+    Parameters
+    ----------
+    radius_mm : (3,) float
+        Mean free paths of red, green and blue.
+    weight : float
+        Share of the diffuse light that has wandered.
+
+    Returns
+    -------
+    facts : dict
+        ``profile``, ``radius_mm``, ``weight``.
+    """
+    return {
+        "profile": "Christensen-Burley",
+        "radius_mm": np.round(np.asarray(radius_mm, np.float64), 6).tolist(),
+        "weight": round(float(weight), 6),
+    }
+
+
 def blender_inputs(skin: SkinAppearance) -> list[dict[str, Any]]:
     """Write looks as the inputs of Blender's principled shader, 4.0 or later.
 
@@ -48,12 +72,18 @@ def blender_inputs(skin: SkinAppearance) -> list[dict[str, Any]]:
         One per sample, by the names of the sockets; the scene's unit is the metre, the node's ``subsurface_method``
         is ``"BURLEY"``. Its radius is not the mean free path: see `blender_radius`.
 
+    Raises
+    ------
+    InputError
+        If it is no look.
+
     Examples
     --------
     >>> from surftex.optics import lookup
     >>> sorted(blender_inputs(lookup({}))[0])[:3]
     ['Base Color', 'IOR', 'Roughness']
     """
+    skin = _checked(skin)
     rows = zip(
         skin.base_color,
         skin.roughness,
@@ -89,8 +119,13 @@ def gltf_material(skin: SkinAppearance, index: int = 0) -> dict[str, Any]:
     Returns
     -------
     material : dict
-        Metallic-roughness with ``KHR_materials_specular``; no ratified extension takes a subsurface radius, so it
-        stands in the extras, in millimetres.
+        Metallic-roughness with ``KHR_materials_specular``; no ratified extension takes a subsurface radius, so
+        ``surftex_subsurface`` in the extras holds ``profile``, ``radius_mm`` and ``weight``, as in the GLB of a bake.
+
+    Raises
+    ------
+    InputError
+        If it is no look, or has no such sample.
 
     Examples
     --------
@@ -98,6 +133,10 @@ def gltf_material(skin: SkinAppearance, index: int = 0) -> dict[str, Any]:
     >>> gltf_material(lookup({}))["pbrMetallicRoughness"]["metallicFactor"]
     0.0
     """
+    skin = _checked(skin)
+    if not len(skin.specular):
+        raise InputError("the look holds 0 samples; there is none to write")
+    index = checked_whole(index, "index", 0, len(skin.specular) - 1)
     gloss = 2 * float(skin.specular[index])
     return {
         "pbrMetallicRoughness": {
@@ -106,5 +145,15 @@ def gltf_material(skin: SkinAppearance, index: int = 0) -> dict[str, Any]:
             "roughnessFactor": float(skin.roughness[index]),
         },
         "extensions": {"KHR_materials_specular": {"specularColorFactor": [gloss] * 3}},
-        "extras": {"subsurface_radius_mm": [float(each) for each in skin.subsurface_radius_mm[index]]},
+        "extras": {
+            "surftex_subsurface": subsurface_facts(
+                skin.subsurface_radius_mm[index], skin.subsurface_weight[index]
+            )
+        },
     }
+
+
+def _checked(skin: Any) -> SkinAppearance:
+    if not isinstance(skin, SkinAppearance):
+        raise InputError(f"skin is a {type(skin).__name__}; it takes what lookup answers")
+    return skin

@@ -10,16 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import checked_number, checked_whole
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick
 from surftex.optics.brdf import Absorbers, Bins, sorted_into, surface_lobe
 from surftex.optics.matching import match
 from surftex.optics.nodes import nodes
-from surftex.optics.paths import Paths, check_engine, crossing_paths, volume_paths
+from surftex.optics.paths import MOST_PATHS, Paths, check_engine, crossing_paths, volume_paths
 from surftex.optics.shaders import shader_named
 from surftex.optics.spectra import rgb_weights
 from surftex.optics.subsurface import EDGES_MM, fit_width, rings
-from surftex.optics.table import COLUMNS, SkinTable
+from surftex.optics.table import COLUMNS, MOST_REFLECTANCE, SkinTable
 from surftex.optics.tissue import (
     PARAMETERS,
     Tissue,
@@ -64,7 +65,8 @@ class Making:
         Wavelengths.
     fit_reflectance : bool
         Whether the reflectance at normal incidence is matched too, as in the thesis. It then makes up for what a
-        diffuse lobe cannot do, and leaves the range of principled shaders (0.08); so it is usually that of the
+        diffuse lobe cannot do, and without a bound a wide lobe would stand for the diffuse light itself (0.9 with
+        Ashikhmin and Shirley's); so it ends where principled shaders end, at 0.08. Usually it is that of the
         tissue's index, and colour and roughness are matched.
     facing : float
         Power of both cosines that weighs the bins of the match. 0 counts all alike, as the thesis does; then grazing
@@ -99,15 +101,16 @@ class Making:
         check_names(self.nodes)
         object.__setattr__(self, "nodes", {name: self.nodes.get(name, NODES[name]) for name in PARAMETERS})
         for name, count in self.nodes.items():
-            if not 1 <= count <= 33:
-                raise InputError(f"nodes of {name} are {count}; they go from 1 to 33")
-        if not 1 <= self.step_nm <= 50:
-            raise InputError(f"step_nm is {self.step_nm:g}; it goes from 1 to 50")
-        if not 0 <= self.facing <= 10:
-            raise InputError(f"facing is {self.facing:g}; it goes from 0 to 10")
-        for name, least in (("paths", 100), ("beam_paths", 0)):
-            if getattr(self, name) < least:
-                raise InputError(f"{name} is {getattr(self, name)}; it takes at least {least}")
+            checked_whole(count, f"number of {name} nodes", 1, 33)
+        checked_number(self.step_nm, "step_nm", 1, 50)
+        checked_number(self.facing, "facing", 0, 10)
+        checked_whole(self.seed, "seed", 0)
+        checked_whole(self.paths, "paths", 100, MOST_PATHS)
+        checked_whole(self.beam_paths, "beam_paths", 0, MOST_PATHS)
+        if self.lock_surface and self.fit_reflectance:
+            raise InputError(
+                "lock_surface keeps the reflectance of the surface and fit_reflectance matches it; choose one of the two"
+            )
 
     def settings(self) -> dict[str, Any]:
         """Write everything out.
@@ -276,6 +279,8 @@ class _Maker:
         if making.lock_surface or not making.fit_reflectance:
             level = ((index - 1) / (index + 1)) ** 2
         weight = making.bins.facing(making.facing)
-        found = match(shader, making.bins, brdf, shape=shape, reflectance=level, weight=weight)
+        found = match(
+            shader, making.bins, brdf, shape=shape, reflectance=level, most=MOST_REFLECTANCE, weight=weight
+        )
         color = shader.color(found.diffuse, found.reflectance)
         return np.column_stack([color, found.reflectance, shader.roughness(found.shape)])

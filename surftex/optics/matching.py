@@ -102,6 +102,7 @@ def match(
     *,
     shape: float | None = None,
     reflectance: float | None = None,
+    most: float = 1.0,
     weight: NDArray[np.float64] | None = None,
 ) -> Matches:
     """Find the model that comes nearest to each BRDF.
@@ -116,6 +117,8 @@ def match(
         Red, green, blue share shape and reflectance.
     shape, reflectance : float, optional
         To hold fixed, as when the surface is known.
+    most : float
+        Bound of a reflectance that is not held.
     weight : (bins,) float64, optional
         How much each bin counts; all alike without it.
 
@@ -142,11 +145,13 @@ def match(
         weights = np.stack([ends[0], x * (x - 2) * (x - 3) / 2, -x * (x - 1) * (x - 3) / 2, ends[1]], axis=1)
         own = np.einsum("pqns,ns->pqn", gram[:, :, four], weights)[..., None]
         seen = np.take_along_axis(products, four[None, :, :, None], axis=2)
-        diffuse, level, cost = _solved(np.einsum("pnsc,ns->pnc", seen, weights)[:, :, None], own, reflectance)
+        diffuse, level, cost = _solved(
+            np.einsum("pnsc,ns->pnc", seen, weights)[:, :, None], own, reflectance, most
+        )
         return diffuse[:, 0], level[:, 0], cost[:, 0]
 
     if shape is None:
-        best = _solved(products, gram[:, :, None], reflectance)[2].argmin(1)
+        best = _solved(products, gram[:, :, None], reflectance, most)[2].argmin(1)
         low, high = np.maximum(best - 1.0, 0), np.minimum(best + 1.0, len(logs) - 1.0)
         for _ in range(20):
             left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
@@ -161,7 +166,7 @@ def match(
 
 
 def _solved(
-    products: NDArray[np.float64], gram: NDArray[np.float64], reflectance: float | None
+    products: NDArray[np.float64], gram: NDArray[np.float64], reflectance: float | None, most: float
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Best diffuse factors (n, s, c), reflectance (n, s) and cost less the BRDF's own squares (n, s).
 
@@ -171,11 +176,11 @@ def _solved(
     dd, df, ds, ff, fs, ss = gram[0, 0], gram[0, 1], gram[0, 2], gram[1, 1], gram[1, 2], gram[2, 2]
     if reflectance is None:
         top = s.sum(-1) - channels * fs - ds / dd * (d.sum(-1) - channels * df)
-        level = np.clip(top / np.maximum(channels * (ss - ds * ds / dd), 1e-30), 0, 1)
+        level = np.clip(top / np.maximum(channels * (ss - ds * ds / dd), 1e-30), 0, most)
         black = (d < (df + level * ds)[..., None]).any(-1)
         if black.any():
             level[black] = _level_beside_black(
-                d[black], s[black].sum(-1), level[black],
+                d[black], s[black].sum(-1), level[black], most,
                 *(np.broadcast_to(each, level.shape)[black] for each in (dd, df, ds, fs, ss)),
             )  # fmt: skip
     else:
@@ -187,7 +192,7 @@ def _solved(
 
 
 def _level_beside_black(
-    d: NDArray[np.float64], s: NDArray[np.float64], level: NDArray[np.float64],
+    d: NDArray[np.float64], s: NDArray[np.float64], level: NDArray[np.float64], most: float,
     dd: NDArray[np.float64], df: NDArray[np.float64], ds: NDArray[np.float64], fs: NDArray[np.float64],
     ss: NDArray[np.float64],
 ) -> NDArray[np.float64]:  # fmt: skip
@@ -200,5 +205,5 @@ def _level_beside_black(
         black = d < (df + level * ds)[:, None]
         lit, back = channels - black.sum(-1), np.where(black, 0, d).sum(-1)
         top = s - channels * fs - ds / dd * (back - lit * df)
-        level = np.clip(top / np.maximum(channels * ss - lit * ds * ds / dd, 1e-30), 0, 1)
+        level = np.clip(top / np.maximum(channels * ss - lit * ds * ds / dd, 1e-30), 0, most)
     return level

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surftex.arrays import frozen
+from surftex.arrays import checked_whole, frozen
 from surftex.errors import InputError
 from surftex.kernels.pool import slices
 from surftex.optics.border import facet_tables
@@ -24,6 +24,9 @@ ENGINES = ("biospec", "volume")
 
 SURFACE, LEFT, BELOW, LOST = 0, 1, 2, 3
 """How a path ends: reflected by the surface, out of the skin, out below (or absorbed), given up."""
+
+MOST_PATHS = 100_000_000
+"""Paths of a set; this many take about 10 GB."""
 
 _SLICE = 4096
 _CROSSINGS = 2000
@@ -335,6 +338,5 @@ def check_engine(engine: str) -> str:
 
 
 def _room(count: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    if count < 1:
-        raise InputError(f"paths is {count}; it takes at least 1")
+    count = checked_whole(count, "paths", 1, MOST_PATHS)
     return np.zeros((count, 4)), np.zeros(count, np.int32), np.zeros(count, np.int8), np.zeros((count, 4))

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from surftex.arrays import checked_number, checked_whole
 from surftex.errors import InputError
-from surftex.optics.paths import BELOW, LEFT, SURFACE, walk_layers
+from surftex.optics.paths import BELOW, LEFT, MOST_PATHS, SURFACE, walk_layers
 from surftex.randomness import stream
 
 
@@ -46,21 +47,21 @@ def slab(
     >>> abs(reflected - 0.09739) < 0.01, abs(transmitted - 0.66096) < 0.015
     (True, True)
     """
-    limits = {"n": (n, 1, 10), "mu_a": (mu_a, 0, 1e9), "mu_s": (mu_s, 0, 1e9), "g": (g, -0.9999, 0.9999)}
-    for name, (value, low, high) in limits.items():
-        if not low <= value <= high:
-            raise InputError(f"{name} is {value}; it goes from {low:g} to {high:g}")
-    if not thickness_cm > 0:
-        raise InputError(f"thickness_cm is {thickness_cm}; it must be above 0")
+    n, g = checked_number(n, "n", 1, 10), checked_number(g, "g", -0.9999, 0.9999)
+    mu_a, mu_s = checked_number(mu_a, "mu_a", 0, 1e9), checked_number(mu_s, "mu_s", 0, 1e9)
+    paths, seed = checked_whole(paths, "paths", 1, MOST_PATHS), checked_whole(seed, "seed", -math.inf)
+    thickness_cm = checked_number(thickness_cm, "thickness_cm", 0)
+    if thickness_cm == 0:
+        raise InputError("thickness_cm is 0; it must be above 0")
     if math.isinf(thickness_cm) and not mu_a > 0:
         raise InputError("thickness_cm is infinite and mu_a is 0: light would never end; give either a limit")
     lengths, weight, _, kind, _, _ = walk_layers(
-        np.array([float(n)]),
-        np.array([float(mu_s)]),
-        np.array([float(g)]),
-        np.array([0.0, float(thickness_cm)]),
-        np.array([float(mu_a)]),
-        int(paths),
+        np.array([n]),
+        np.array([mu_s]),
+        np.array([g]),
+        np.array([0.0, thickness_cm]),
+        np.array([mu_a]),
+        paths,
         key=stream(seed, "optics", "slab").key,
     )
     weight = weight * np.exp(-mu_a * lengths[:, 0])

@@ -1,7 +1,9 @@
 """Tables of skin as files."""
 
+import os
 from pathlib import Path
 
+from surftex.errors import InputError
 from surftex.optics.table import SkinTable
 
 
@@ -21,8 +23,11 @@ def load_table(path: str | Path) -> SkinTable:
     Raises
     ------
     InputError
-        If it is none, or damaged.
+        If there is no such file, or it is no table, or damaged.
     """
     from surftex.files.reading import printable, read_bytes
 
-    return SkinTable.from_bytes(read_bytes(path, purpose="table of skin"), printable(str(path)))
+    if not isinstance(path, (str, os.PathLike)):
+        raise InputError(f"a table of skin is read from a path; this is a {type(path).__name__}")
+    data = read_bytes(path, purpose="table of skin", error=InputError)
+    return SkinTable.from_bytes(data, printable(os.fspath(path)))

@@ -13,7 +13,7 @@ from importlib.resources import files
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from surftex.arrays import frozen
 from surftex.errors import InputError
@@ -23,6 +23,9 @@ from surftex.optics.tissue import PARAMETERS
 
 COLUMNS = ("red", "green", "blue", "reflectance", "roughness", "wide_red", "wide_green", "wide_blue")
 """At a node: diffuse colour, reflectance at normal incidence, roughness, width of Burley's profile in mm."""
+
+MOST_REFLECTANCE = 0.08
+"""At normal incidence, where the specular level of principled shaders is 1."""
 
 _LOGARITHMIC = np.array([True, True, True, False, False, True, True, True])
 _LEAST = 1e-4
@@ -87,16 +90,34 @@ class SkinTable:
         values = self.at({name: nodes(name, count, crowded=False) for name, count in counts.items()})
         color = np.clip(values[..., :3], _LEAST, 1)
         paths = np.maximum(mean_free_path(values[..., 5:], color), _LEAST)
-        rough, specular = np.clip(values[..., 4:5], 0, 1), np.clip(values[..., 3:4] / 0.08, 0, 1)
+        rough, specular = np.clip(values[..., 4:5], 0, 1), np.clip(values[..., 3:4] / MOST_REFLECTANCE, 0, 1)
         return frozen(
             np.concatenate([np.log(color), rough, specular, np.log(paths)], axis=-1).astype(np.float32)
         )
 
     @cached_property
     def bounds(self) -> NDArray[np.float32]:
-        """Low, high, and whether even, of each parameter: (6, 3)."""
-        rows = [(each.low, each.high, float(each.even)) for each in PARAMETERS.values()]
+        """First node, last node, and whether even, of each parameter: (6, 3)."""
+        rows = [(known[0], known[-1], float(PARAMETERS[name].even)) for name, known in self.axes.items()]
         return frozen(np.array(rows, np.float32))
+
+    def outside(self, name: str, value: ArrayLike) -> NDArray[np.bool_]:
+        """Tell which values of a parameter the table does not cover; a look-up moves them to its nearest node.
+
+        Parameters
+        ----------
+        name : str
+            One of `PARAMETERS`.
+        value : (...) float
+            In the parameter's unit.
+
+        Returns
+        -------
+        outside : (...) bool
+            Whether it leaves the table's range by more than the rounding of float32.
+        """
+        value, known = np.asarray(value), self.axes[name]
+        return (value < known[0] * (1 - 1e-6)) | (value > known[-1] * (1 + 1e-6))
 
     def to_bytes(self) -> bytes:
         """Write the table.
@@ -145,8 +166,14 @@ class SkinTable:
             raise InputError(
                 f"{name} is no table of skin ({type(problem).__name__}); make one with: surftex match"
             ) from None
-        if not known or values.shape != (*shape, len(COLUMNS)) or not np.isfinite(values).all():
-            raise InputError(f"{name} is damaged: its numbers do not fit its settings")
+        wanted = (*shape, len(COLUMNS))
+        if not known or values.shape != wanted or min(wanted) < 1:
+            raise InputError(
+                f"{name} is damaged: it holds {values.shape} numbers, and its settings say {wanted}"
+            )
+        wrong = int(values.size - np.isfinite(values).sum())
+        if wrong:
+            raise InputError(f"{name} is damaged: {wrong} of its {values.size} numbers are not finite")
         return SkinTable(values, settings)
 
 

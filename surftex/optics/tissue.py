@@ -4,12 +4,14 @@ Lengths are centimetres and coefficients 1/cm, as in the tables that they come f
 stratum corneum, epidermis, papillary dermis, reticular dermis, on a base that throws part of the light back.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surftex.arrays import checked_number
 from surftex.errors import InputError
 from surftex.optics.spectra import chromophore
 
@@ -37,22 +39,6 @@ class Parameter:
     usual: float
     even: bool
     meaning: str
-
-    def outside(self, value: ArrayLike) -> NDArray[np.bool_]:
-        """Tell which values a table moves to the end of the range.
-
-        Parameters
-        ----------
-        value : (...) float
-            In the parameter's unit.
-
-        Returns
-        -------
-        outside : (...) bool
-            Whether it leaves the range by more than the rounding of float32.
-        """
-        value = np.asarray(value)
-        return (value < self.low * (1 - 1e-6)) | (value > self.high * (1 + 1e-6))
 
 
 PARAMETERS = {
@@ -87,22 +73,17 @@ def checked_biology(biology: dict[str, Any]) -> dict[str, float]:
     check_names(biology)
     filled = {}
     for name, parameter in PARAMETERS.items():
-        try:
-            value = float(biology.get(name, parameter.usual))
-        except (TypeError, ValueError):
-            raise InputError(f"{name} is {biology[name]!r}; it takes one number") from None
-        if not parameter.low <= value <= parameter.high:
-            raise InputError(f"{name} is {value:g}; it goes from {parameter.low:g} to {parameter.high:g}")
-        filled[name] = value
+        value = biology.get(name, parameter.usual)
+        filled[name] = checked_number(value, name, parameter.low, parameter.high)
     return filled
 
 
-def check_names(biology: dict[str, Any]) -> None:
+def check_names(biology: Mapping[str, Any]) -> None:
     """Refuse a parameter that skin does not have.
 
     Parameters
     ----------
-    biology : dict
+    biology : mapping
         By name.
 
     Raises
@@ -110,6 +91,10 @@ def check_names(biology: dict[str, Any]) -> None:
     InputError
         Listing the known names.
     """
+    if not isinstance(biology, Mapping):
+        raise InputError(
+            f"parameters of skin come by name, such as {{'melanin': 0.02}}; this is a {type(biology).__name__}"
+        )
     for name in biology:
         if name not in PARAMETERS:
             raise InputError(f"skin has no parameter {name!r}; known are {', '.join(PARAMETERS)}")
@@ -189,8 +174,7 @@ class Tissue:
     def __post_init__(self) -> None:
         for name, (low, high) in _LIMITS.items():
             for value in np.atleast_1d(getattr(self, name)).tolist():
-                if not low <= value <= high:
-                    raise InputError(f"{name} is {value:g}; it goes from {low:g} to {high:g}")
+                checked_number(value, name, low, high)
         if len(self.index) != 4:
             raise InputError(f"index holds {len(self.index)} numbers; it takes one for each of 4 layers")
         for name, known in (("facets", ("ggx", "biospec")), ("melanin_spectrum", ("sarna", "melanosome"))):

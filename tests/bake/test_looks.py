@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import surftex as sx
-from surftex.optics import blender_inputs, lookup
+from surftex.optics import blender_inputs, gltf_material, lookup
 
 PALE = {"variation": 0.0, "mottle": 0.0, "drift": 0.0, "flush": 0.0, "tan": 0.0, "pore_density": 0.0,
         "relief_depth": 0.0, "relief_swell": 0.0, "relief_secondary": 0.0}  # fmt: skip
@@ -67,6 +67,9 @@ def test_report_and_glb_tell_the_same_subsurface(ball, tmp_path):
     assert (tmp_path / "out" / told["map"]).is_file()
     document = pygltflib.GLTF2().load(tmp_path / "out" / f"{maps.stem}.glb")
     assert document.materials[0].extras["surftex_subsurface"] == told
+    alone = gltf_material(look)["extras"]["surftex_subsurface"]
+    assert {**told, "radius_mm": None} == {**alone, "radius_mm": None, "map": told["map"]}
+    assert told["radius_mm"] == pytest.approx(alone["radius_mm"], rel=1e-4)
     sockets = maps.report["blender"]["inputs"]
     whole = blender_inputs(look)[0]
     assert sockets["Subsurface Radius"] == pytest.approx(whole["Subsurface Radius"], rel=1e-3)
@@ -104,6 +107,18 @@ def test_skin_reads_its_looks_from_a_table_of_ones_own(ball, tmp_path):
     look = lookup({"melanin": 0.022, "blood": 0.014}, table=sx.optics.load_table(tmp_path / "mine.npz"))
     assert maps["base_color"][16, 16] == pytest.approx(look.base_color[0], abs=1e-5)
     assert np.abs(maps["base_color"] - sx.bake(ball, skin(), resolution=32)["base_color"]).max() > 0.005
+    held = {
+        "pheomelanin",
+        "oxygenation",
+        "stratum_corneum_mm",
+        "epidermis_mm",
+    }  # one node each, and another value
+    assert maps.report["clamped"] == dict.fromkeys(held, maps.report["texels"])
+    warned = [text for text in maps.report["warnings"] if "left its range" in text]
+    assert len(warned) == 4
+    assert any(
+        text.startswith("epidermis_mm") and text.endswith("it is 0.1 alone in the table") for text in warned
+    )
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 
 from surftex.errors import InputError, WorkError
 from surftex.files import locks, output, publishing
-from surftex.files.output import check_output, file_hashes, whole_output, write_whole
+from surftex.files.output import check_output, check_place, file_hashes, whole_output, write_whole
 
 
 def contents(folder):
@@ -342,3 +342,14 @@ def test_a_request_to_end_while_the_workplace_goes_away_leaves_nothing(tmp_path,
     with pytest.raises(KeyboardInterrupt):
         written(tmp_path / "deep" / "out")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_place_where_nothing_can_be_written_is_told_before_any_work(tmp_path):
+    with pytest.raises(
+        InputError, match=r"a.npz: cannot write in .*none \(No such file or directory\); choose another"
+    ):
+        check_place(tmp_path / "none" / "a.npz")
+    (tmp_path / "b").write_text("keep")
+    check_place(tmp_path / "b")
+    check_place(tmp_path / "c")
+    assert contents(tmp_path) == {"b": "keep"}

@@ -159,3 +159,20 @@ def test_wrinkles_are_as_long_as_their_vectors_and_none_grows_where_these_are_ze
     assert x.min() > 20  # the vectors grow from there to the next vertices, at 22.5
     assert rows["length_mm"][x > 22.6] == pytest.approx(6.0, rel=1e-3)
     assert 15 < len(np.unique(rows["curve"])) < 45
+
+
+def test_the_ranges_that_the_reference_prints_are_those_of_the_tables():
+    import re
+
+    from surftex.materials.skin.baseline import PLAUSIBLE
+    from surftex.optics.tissue import PARAMETERS
+
+    for name, known in PARAMETERS.items():
+        scale = 10 if name.endswith("_cm") else 1
+        ends = [scale * known.low, scale * known.high]
+        told = Skin.model_fields[name.removesuffix("_cm")].description
+        low, high = re.search(r": ([0-9.]+) to ([0-9.]+?)(?: mm)?[.]$", told).groups()
+        assert [float(low), float(high)] == pytest.approx(ends), told
+        low, high = PLAUSIBLE[name.replace("_cm", "_mm")]
+        assert ends[0] <= low * (1 + 1e-9)
+        assert high <= ends[1] * (1 + 1e-9)

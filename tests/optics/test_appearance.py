@@ -1,11 +1,14 @@
 """The look of skin by its biology: bounds, order of colours, what is refused."""
 
+import re
+
 import numpy as np
 import pytest
 
 import surftex as sx
 from surftex.errors import InputError
 from surftex.optics import lookup, skin_color
+from surftex.optics.making import Making, make_table
 from surftex.optics.tissue import PARAMETERS
 from surftex.randomness import stream
 
@@ -83,11 +86,47 @@ def test_a_wrong_colour_is_refused(wrong, message):
     ("wrong", "message"),
     [
         ({"melanine": 0.1}, "skin has no parameter"),
-        ({"melanin": [0.1, np.nan]}, "melanin holds 1 values that are not finite"),
-        ({"melanin": [0.1, 0.2], "blood": [0.1, 0.1, 0.1]}, "blood holds 3 samples where others hold 2"),
+        ({"melanin": [0.1, np.nan]}, "melanin holds 1 values that are not finite, of 2; the first is"),
+        ({"melanin": np.nan}, "melanin is nan; it takes a finite number"),
+        ({"melanin": "dark"}, "melanin holds <U4, not numbers"),
+        ({"melanin": [[1], [1, 2]]}, "melanin is ragged"),
+        ({"melanin": [0.1], "blood": [0.1, 0.1]}, "blood holds 2 samples where melanin holds 1"),
+        ([0.1], "parameters of skin come by name, such as {'melanin': 0.02}; this is a list"),
+        (None, "this is a NoneType"),
+        ({"melanin": [0.1, 0.2], "blood": [0.1, 0.1, 0.1]}, "blood holds 3 samples where melanin holds 2"),
         ({"melanin": [[0.1]]}, "melanin has 2 axes"),
     ],
 )
 def test_a_wrong_look_up_is_refused(wrong, message):
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=re.escape(message)):
         lookup(wrong)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"table": "mine.npz"}, "table is a str; it takes what load_table has read"),
+        ({"threads": 0}, "threads is 0; it takes at least 1"),
+        ({"threads": "two"}, "threads is 'two'; it takes one number"),
+    ],
+)
+def test_a_wrong_table_or_count_of_threads_is_refused(wrong, message):
+    with pytest.raises(InputError, match=message):
+        lookup({}, **wrong)
+
+
+def test_what_no_float_holds_is_beyond_the_range(recwarn):
+    assert lookup({"melanin": [1e300, 0.02]}).clamped == {"melanin": 1}
+    assert not recwarn.list
+
+
+def test_a_table_of_one_node_counts_every_other_value():
+    counts = dict.fromkeys(PARAMETERS, 1) | {"melanin": 2}
+    table = make_table(Making(nodes=counts, paths=300, beam_paths=0, step_nm=50.0))
+    skin = lookup({"melanin": [0.01, 0.3], "blood": [0.012, 0.1], "oxygenation": 0.3}, table=table)
+    assert skin.clamped == {"blood": 1, "oxygenation": 2}
+    usual = lookup({"melanin": [0.01, 0.3]}, table=table)
+    assert usual.clamped == {}
+    assert np.array_equal(skin.base_color, usual.base_color)
+    assert np.isfinite(skin.base_color).all()
+    assert table.outside("blood", [0.012, np.float32(0.012), 0.013]).tolist() == [False, False, True]

@@ -1,6 +1,8 @@
 """``surftex match``: what it writes, what it refuses, and that an interruption costs little."""
 
+import dataclasses
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -133,9 +135,18 @@ def test_a_new_render_model_is_one_file(folder, monkeypatch, capsys):
         (["--shader", "phong"], "there is no shader 'phong'; known are ggx-lambert, principled, ashikhmin-shirley"),
         (["--engine", "mcml"], "there is no engine 'mcml'; known are biospec, volume"),
         (["--nodes", "melanine=3"], "skin has no parameter 'melanine'; known are"),
-        (["--nodes", "melanin=90"], "nodes of melanin are 90; they go from 1 to 33"),
+        (["--nodes", "melanin=90"], "number of melanin nodes is 90; it goes from 1 to 33"),
         (["--nodes", "melanin"], "'melanin' sets nothing; write --nodes melanin=8,blood=6"),
-        (["--paths", "3"], "paths is 3; it takes at least 100"),
+        (["--paths", "3"], "paths is 3; it goes from 100 to 100000000"),
+        (["--beam-paths", "1000000000"], "beam_paths is 1000000000; it goes from 0 to 100000000"),
+        (["--nodes", "melanin=2,melanin=3"], "melanin is set twice, to 2 and 3; keep one"),
+        (["--nodes", "melanin=2", "--nodes", "melanin=3"], "melanin is set twice, to 2 and 3; keep one"),
+        (["--node", "melanin=2"], "unknown option --node; did you mean --nodes?"),
+        (["--set", "fold=0.2", "--set", "fold=0.3"], "fold is set twice, to 0.2 and 0.3; keep one"),
+        (["--lock-surface", "--fit-reflectance"], "lock_surface keeps the reflectance of the surface"),
+        (["--threads", "0"], "threads is 0; it takes at least 1"),
+        (["--seed", "-1"], "seed is -1; it takes at least 0"),
+        (["--out", "/proc/x.npz"], "/proc/x.npz: cannot write in /proc"),
         (["--shader", "ggx-disney"], "no shader 'ggx-disney'; known are ggx-lambert, principled, ashikhmin-shirley"),
         (["--set", "fold=2"], "fold is 2; it goes from 0 to 0.9"),
         (["--set", "papillary_cm=-1"], "papillary_cm is -1; it goes from 0.001 to 1"),
@@ -168,3 +179,107 @@ def test_a_file_that_is_there_stays(folder):
     assert (folder / "skin-ggx-lambert.npz").read_bytes() == b"mine"
     with pytest.raises(InputError, match="is no table of skin"):
         load_table(folder / "skin-ggx-lambert.npz")
+
+
+def test_without_the_cache_nothing_is_kept(folder, monkeypatch):
+    from surftex.cli import main
+
+    monkeypatch.chdir(folder)
+    assert main(["match", *SMALL, "-q", "--no-cache"]) == 0
+    assert [each.name for each in folder.iterdir()] == ["skin-ggx-lambert.npz"]
+    assert (folder / "skin-ggx-lambert.npz").read_bytes() == make_table(SAME, threads=1).to_bytes()
+
+
+def test_an_interruption_without_the_cache_promises_nothing(folder, monkeypatch, capsys):
+    from surftex.bake import matching
+    from surftex.cli import main
+
+    def cut(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(matching, "make_table", cut)
+    assert main(["match", *SMALL, "-q", "--no-cache"]) == 130
+    assert "nothing is kept" in capsys.readouterr().err
+    assert main(["match", *SMALL, "-q"]) == 130
+    assert "the same command goes on from them" in capsys.readouterr().err
+
+
+def test_nodes_may_be_named_one_by_one(folder, monkeypatch, capsys):
+    from surftex.cli import main
+
+    monkeypatch.chdir(folder)
+    few = [part for text in SMALL[1].split(",") for part in ("--nodes", text)]
+    assert main(["match", *few, *SMALL[2:], "--json"]) == 0
+    said = capsys.readouterr()
+    report = json.loads(said.out)
+    assert report["entries"] == 16
+    assert [text.split(",")[0] for text in report["warnings"]] == [
+        "pheomelanin has one node",
+        "oxygenation has one node",
+    ]
+    assert all(f"warning: {text}" in said.err for text in report["warnings"])
+
+
+@pytest.mark.parametrize("facing", ["0", "4"])
+@pytest.mark.parametrize("shader", ["ggx-lambert", "principled", "ashikhmin-shirley"])
+def test_gloss_never_stands_for_diffuse_light(folder, monkeypatch, capsys, shader, facing):
+    """With the reflectance matched too: colours of usual skin, near those of a match that holds it; the bound is told."""
+    from surftex.cli import main
+
+    few = ["--nodes", "pheomelanin=1,melanin=2,epidermis_cm=1,stratum_corneum_cm=1,blood=2,oxygenation=1",
+           "--paths", "2000", "--beam-paths", "0", "--step-nm", "50", "--shader", shader, "--facing", facing]  # fmt: skip
+    monkeypatch.chdir(folder)
+    assert main(["match", *few, "-o", "free.npz", "--fit-reflectance", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert main(["match", *few, "-o", "held.npz", "-q"]) == 0
+    free, held = (load_table(folder / f"{name}.npz").values[..., :5] for name in ("free", "held"))
+    assert free[..., 3].max() <= 0.08
+    pale = (slice(None), 0)  # melanin 0.002
+    assert free[pale][..., :3] == pytest.approx(held[pale][..., :3], abs=0.06)
+    told = [text for text in report["warnings"] if text.startswith("reflectance ends at its bound, 0.08, in")]
+    assert len(told) == 1
+    assert "of 4 entries" in told[0]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"seed": 1.5}, "seed is 1.5; it takes a whole number"),
+        ({"paths": "many"}, "paths is 'many'; it takes one number"),
+        ({"nodes": {"melanin": "two"}}, "number of melanin nodes is 'two'; it takes one number"),
+        (
+            {"nodes": ["melanin"]},
+            "parameters of skin come by name, such as {'melanin': 0.02}; this is a list",
+        ),
+        ({"facing": None}, "facing is None; it takes one number"),
+    ],
+)
+def test_a_wrong_setting_is_refused(wrong, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        Making(**wrong)
+
+
+def test_a_table_that_cannot_be_read_is_told_by_its_own_class(folder):
+    for path in (folder / "none.npz", folder, None, 3):
+        with pytest.raises(InputError) as caught:
+            load_table(path)
+        assert type(caught.value) is InputError
+        assert "\n" not in str(caught.value)
+
+
+def test_a_damaged_table_tells_what_does_not_fit(folder):
+    table = make_table(Making(nodes=dict.fromkeys(PARAMETERS, 1), paths=100, beam_paths=0, step_nm=50.0))
+    settings = table.settings | {"nodes": table.settings["nodes"] | {"melanin": 2}}
+    (folder / "a.npz").write_bytes(dataclasses.replace(table, settings=settings).to_bytes())
+    with pytest.raises(
+        InputError, match=re.escape("it holds (1, 1, 1, 1, 1, 1, 8) numbers, and its settings say (1, 2,")
+    ):
+        load_table(folder / "a.npz")
+    (folder / "b.npz").write_bytes(dataclasses.replace(table, values=table.values * np.nan).to_bytes())
+    with pytest.raises(InputError, match="8 of its 8 numbers are not finite"):
+        load_table(folder / "b.npz")
+    settings = table.settings | {"nodes": dict.fromkeys(PARAMETERS, 0)}
+    none = dataclasses.replace(table, values=np.zeros((0, 0, 0, 0, 0, 0, 8)), settings=settings)
+    with pytest.raises(InputError, match="is damaged"):
+        type(table).from_bytes(none.to_bytes())

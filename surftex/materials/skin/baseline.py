@@ -25,7 +25,8 @@ PLAUSIBLE = {
     "epidermis_mm": (0.06, 0.2),
 }
 """Ranges that occur in healthy skin (A. Krishnaswamy and G. V. G. Baranoski, "A Biophysically-Based Spectral Model of Light
-Interaction with Human Skin", 2004; thickness: J. Sandby-Møller et al., Acta Derm. Venereol. 83, 2003)."""
+Interaction with Human Skin", 2004; thickness: J. Sandby-Møller et al., Acta Derm. Venereol. 83, 2003): the measure of
+`variation`. Looks are known for more, see `surftex.optics.tissue.PARAMETERS`."""
 
 _FILL = 2.2
 """Noise has an rms of 0.31: times this, a share of 0.2 moves most places by up to a fifth."""

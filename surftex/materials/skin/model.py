@@ -18,6 +18,7 @@ from surftex.materials.parameters import (
     PositiveLength,
     Share,
 )
+from surftex.optics.tissue import PARAMETERS
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
@@ -29,6 +30,13 @@ Mask = float | str
 
 def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
     return Field(default, description=text, json_schema_extra={"group": group}, **limits)
+
+
+def _biology(name: str, default: Any, text: str) -> Any:
+    """Describe a parameter of the bare skin, with the range that looks are known for."""
+    known = PARAMETERS[name]
+    scale, unit = (10, " mm") if name.endswith("_cm") else (1, "")
+    return _field(default, "baseline", f"{text}: {scale * known.low:g} to {scale * known.high:g}{unit}.")
 
 
 def _count(group: str, what: str) -> Any:
@@ -58,12 +66,12 @@ class Skin(BaseModel):
 
     kind: Literal["skin"] = "skin"
 
-    melanin: NumberField = _field(0.022, "baseline", "Melanosomes per volume of the epidermis: 0.01 to 0.43.")
-    pheomelanin: NumberField = _field(0.12, "baseline", "Share of red-yellow melanin.")
-    blood: NumberField = _field(0.014, "baseline", "Whole blood per volume of the dermis: 0.002 to 0.07.")
-    oxygenation: NumberField = _field(0.78, "baseline", "Share of the blood that carries oxygen.")
-    stratum_corneum: Length = _field(0.015, "baseline", "Thickness of the horny layer.")
-    epidermis: Length = _field(0.08, "baseline", "Thickness of the living epidermis.")
+    melanin: NumberField = _biology("melanin", 0.022, "Melanosomes per volume of the epidermis")
+    pheomelanin: NumberField = _biology("pheomelanin", 0.12, "Share of red-yellow melanin")
+    blood: NumberField = _biology("blood", 0.014, "Whole blood per volume of the dermis")
+    oxygenation: NumberField = _biology("oxygenation", 0.78, "Share of the blood that carries oxygen")
+    stratum_corneum: Length = _biology("stratum_corneum_cm", 0.015, "Thickness of the horny layer")
+    epidermis: Length = _biology("epidermis_cm", 0.08, "Thickness of the living epidermis")
     table: str | None = _field(
         None, "baseline", "Looks by biology, an .npz of `surftex match`; those of the package without it."
     )

@@ -19,8 +19,7 @@ from surftex.materials.skin.model import Skin
 from surftex.materials.skin.placing import likelihood, tension
 from surftex.materials.skin.points import PointKind
 from surftex.optics import SkinAppearance, load_table, lookup
-from surftex.optics.table import SkinTable
-from surftex.optics.tissue import PARAMETERS
+from surftex.optics.table import SkinTable, shipped_table
 from surftex.randomness import stream
 from surftex.surface.points import Samples
 from surftex.surface.surface import Surface
@@ -97,6 +96,8 @@ class SkinPattern:
         Where it lies.
     features : mapping of str to structured array
         Everything placed, by kind.
+    table : SkinTable
+        Looks by biology.
     """
 
     skin: Skin
@@ -107,9 +108,18 @@ class SkinPattern:
     wrinkles: CurveKind | None
     vessels: CurveKind | None
     net: FurrowNet | None
-    table: SkinTable | None = None
+    table: SkinTable
 
     channels = CHANNELS
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Least and greatest value of each channel of biology that the table knows; beyond, the nearest is shown."""
+        ends = {}
+        for name in BIOLOGY:
+            known = self.table.axes[name.replace("_mm", "_cm")] * (10 if name.endswith("_mm") else 1)
+            ends[name] = float(known[0]), float(known[-1])
+        return ends
 
     @staticmethod
     def build(
@@ -165,7 +175,8 @@ class SkinPattern:
             net = FurrowNet.over(surface, angle, skin.relief_spacing, stretch, stream(seed, "skin", "relief"))
         return SkinPattern(
             skin, surface, MappingProxyType(dict(features)), Baseline.build(skin, surface, seed, names), points,
-            curves.get("wrinkle"), curves.get("vessel"), net, None if skin.table is None else load_table(skin.table),
+            curves.get("wrinkle"), curves.get("vessel"), net,
+            shipped_table() if skin.table is None else load_table(skin.table),
         )  # fmt: skip
 
     def at(self, samples: Samples) -> Layers:
@@ -294,7 +305,7 @@ class SkinPattern:
         """Turn biology into what a renderer is told."""
         skin, column, biology, appearance = self.skin, gathered.column, gathered.biology, gathered.appearance
         clamped = {
-            name.replace("_cm", "_mm"): PARAMETERS[name].outside(biology[name]) for name in appearance.clamped
+            name.replace("_cm", "_mm"): self.table.outside(name, biology[name]) for name in appearance.clamped
         }
         hair = np.clip(column["hair"], 0, 1)
         color = appearance.base_color + hair[:, None] * (
