@@ -9,6 +9,7 @@ import hashlib
 import os
 import secrets
 import signal
+import tempfile
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
