@@ -69,13 +69,10 @@ def shared(name):
     return path
 
 
-def sheet_of(material, side_mm, *, size=420, seed=7, light="raking", fields=None):
-    """Bake a flat sheet and draw it."""
-    surface = plane(side_mm, cells=24)
-    if fields is not None:
-        material = sx.Recipe.model_validate({"surftex": 1, "fields": fields, "layer": [material]})
-    maps = sx.bake(surface, material, resolution=768, seed=seed)
-    return render(maps, size=(size, size), view="front", light=light, zoom=1.06, floor=False)
+def sheet_of(material, side_mm, *, size=420, seed=7, light="raking"):
+    """Bake a flat sheet, and draw the middle of it, as wide as told."""
+    maps = sx.bake(plane(1.25 * side_mm, cells=24), material, resolution=1024, seed=seed)
+    return render(maps, size=(size, size), view="front", light=light, zoom=1.5, floor=False)
 
 
 def towards(surface, place):
