@@ -31,7 +31,7 @@ def sized(path, resolution):
     """Load a mesh at the size where a cell of calf takes `TEXELS_A_CELL` texels."""
     side = np.ptp(sx.load(path, size="300 mm").vertices, axis=0).max()
     density = resolution * np.sqrt(COVERED / sx.load(path, size="300 mm").area_mm2)
-    return sx.load(path, size=float(side * density * 0.85 / TEXELS_A_CELL))
+    return sx.load(path, size=float(side * density * 0.7 / TEXELS_A_CELL))
 
 
 def slope(pattern, surface, points, footprint_mm):

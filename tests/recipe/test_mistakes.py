@@ -3,6 +3,7 @@
 import pytest
 
 from surftex.errors import RecipeError
+from surftex.materials.leather.model import Leather
 from surftex.recipe.read import load_recipe, recipe_for, recipe_from_preset, recipe_from_text
 
 GOOD = """surftex = 1
@@ -41,7 +42,7 @@ def test_a_right_recipe_is_read():
     assert recipe.seed == 7
     assert recipe.bake.resolution == 4096
     assert recipe.layer[0].material.cell_size == 0.9
-    assert recipe.layer[0].material.sulcus_depth == 0.03  # from the preset
+    assert recipe.layer[0].material.sulcus_depth == Leather.preset("calf").sulcus_depth
     assert recipe.layer[0].mask == "1 - 0.7 * toe"
     written = recipe.written_out()
     assert written["layer"][0]["preset"] == "calf"
