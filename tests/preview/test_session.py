@@ -140,7 +140,7 @@ def test_live_shows_what_a_bake_shows(ball):
     core, texel = live.texels.core, live.texels.texel
     height = maps["height"].ravel()[texel]
     np.testing.assert_allclose(
-        live.height_mm[core], height[core], atol=5e-4
+        live.height_mm[core], height[core], atol=8e-4
     )  # tails of profiles, at coarse texels
     rough = maps["roughness"].ravel()[texel][core]
     np.testing.assert_allclose(
