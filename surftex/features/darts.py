@@ -33,6 +33,9 @@ GAP = 1e-3
 _SLICE = 16384
 _PROBES = 32768
 
+_BEYOND_PROBES = 4.0
+"""No size is taken to be larger than so many times the largest that was probed; a rare larger one costs cuts, no gap."""
+
 
 class Ellipses:
     """The exclusive ellipse at any point of a surface; sizes are numbers or functions of points."""
@@ -42,8 +45,8 @@ class Ellipses:
     ) -> None:
         self.surface = surface
         self.spacing_mm, self.ratio, self.direction = spacing_mm, ratio, direction
-        self.constant = not (callable(spacing_mm) or callable(ratio))
-        if self.constant:
+        constant = not (callable(spacing_mm) or callable(ratio))
+        if constant:
             probes = SurfacePoints.trusted(np.zeros(1, np.int32), np.full((1, 3), 1 / 3))
         else:
             from surftex.features.uniform import area_points
@@ -51,6 +54,7 @@ class Ellipses:
             probes = area_points(surface, Stream(0).uniform(_PROBES, 3))
         axis = self.axis(probes)
         self._product = axis.prod(axis=1)
+        self.most_minor_mm = _BEYOND_PROBES * float(axis[:, 1].max())
         self.roundness = float(np.mean((axis[:, 1] / axis[:, 0]) ** 2))
 
     def axis(self, points: SurfacePoints) -> NDArray[np.float64]:
@@ -267,15 +271,16 @@ class Board:
 
     def _small(self) -> NDArray[np.bool_]:
         """Pieces with no corner farther than the tolerance from the middle."""
-        if self.ellipses.constant:
-            points = SurfacePoints.trusted(np.zeros(1, np.int32), np.full((1, 3), 1 / 3))
-        else:
-            from surftex.geodesics.pieces import barycentric_of
+        from surftex.geodesics.pieces import barycentric_of
 
-            points = SurfacePoints.trusted(
-                self.face, barycentric_of(self.surface, self.face, self.corner.mean(axis=1))
-            )
-        return self.radius <= GAP * self.ellipses.axis(points)[:, 1]
+        small = self.radius <= GAP * self.ellipses.most_minor_mm
+        asked = np.flatnonzero(small)
+        middle = self.corner[asked].mean(axis=1)
+        points = SurfacePoints.trusted(
+            self.face[asked], barycentric_of(self.surface, self.face[asked], middle)
+        )
+        small[asked] = self.radius[asked] <= GAP * self.ellipses.axis(points)[:, 1]
+        return small
 
     def _keep(self, chosen: NDArray[np.bool_]) -> None:
         self.bucket, self.face = self.bucket[chosen], self.face[chosen]
@@ -288,38 +293,42 @@ class Board:
         self.area, self.radius = np.zeros(len(self)), np.zeros(len(self))
         measure_pieces(self.corner, self.area, self.radius)
 
-    def _classify(
-        self, floods: Sequence[Flood], bucket: NDArray, corner: NDArray, state: NDArray[np.uint8]
-    ) -> None:
+    def strike(self, flood: Flood) -> None:
+        """Strike off the pieces that lie inside one of the flood's regions."""
         from surftex.kernels.sampling import covered_pieces
 
         def work(begin: int, end: int) -> None:
-            for flood in floods:
-                covered_pieces(begin, end, bucket, corner, *flood.arrays, state)
+            covered_pieces(begin, end, self.bucket, self.corner, *flood.arrays, self.state)
 
-        slices(work, len(bucket), size=_SLICE, threads=self.threads)
-
-    def strike(self, flood: Flood) -> None:
-        """Strike off the pieces that lie inside one of the flood's regions."""
-        self._classify([flood], self.bucket, self.corner, self.state)
+        slices(work, len(self), size=_SLICE, threads=self.threads)
         self._keep(self.state < 2)
 
     def split(self, floods: Sequence[Flood]) -> None:
         """Cut the pieces that regions may touch, and strike off what lies inside a region of any flood."""
-        from surftex.kernels.sampling import split_pieces
+        from surftex.kernels.sampling import covered_pieces, split_pieces
 
         touched = self.state == 1
-        bucket, face = np.repeat(self.bucket[touched], 4), np.repeat(self.face[touched], 4)
-        corner = np.zeros((len(bucket), 3, 2))
-        split_pieces(self.corner[touched], corner)
-        state = np.zeros(len(bucket), np.uint8)
-        self._classify(floods, bucket, corner, state)
-        free = state < 2
-        self._keep(~touched)
-        bucket = np.concatenate([self.bucket, bucket[free]])
+        cut = np.flatnonzero(touched)
+
+        def work(begin: int, end: int) -> tuple[NDArray, ...]:
+            chosen = cut[begin:end]
+            bucket, face = np.repeat(self.bucket[chosen], 4), np.repeat(self.face[chosen], 4)
+            corner, state = np.zeros((len(bucket), 3, 2)), np.zeros(len(bucket), np.uint8)
+            split_pieces(self.corner[chosen], corner)
+            for flood in floods:
+                covered_pieces(0, len(bucket), bucket, corner, *flood.arrays, state)
+            free = state < 2
+            return bucket[free], face[free], corner[free], state[free]
+
+        parts = slices(work, len(cut), size=_SLICE // 4, threads=self.threads)
+        if not parts:
+            return
+        columns = [list(column) for column in zip(*parts, strict=True)]
+        whole = ~touched
+        bucket = np.concatenate([self.bucket[whole], *columns[0]])
         order = np.argsort(bucket, kind="stable")
         self.bucket = bucket[order]
-        self.face = np.concatenate([self.face, face[free]])[order]
-        self.corner = np.concatenate([self.corner, corner[free]])[order]
-        self.state = np.concatenate([self.state, state[free]])[order]
+        self.face = np.concatenate([self.face[whole], *columns[1]])[order]
+        self.corner = np.concatenate([self.corner[whole], *columns[2]])[order]
+        self.state = np.concatenate([self.state[whole], *columns[3]])[order]
         self._measure()

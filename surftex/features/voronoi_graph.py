@@ -240,7 +240,7 @@ class _Tracing:
         scratch = inside, *spare, np.zeros((160, 6)), np.zeros((160, 15), np.int64)
         todo = np.zeros((128, 4)), np.zeros((128, 3), np.int64)
         counts = np.array([0, 0, 0, len(self.place)], np.int64)
-        pieces = np.zeros((1024, 4)), np.zeros((1024, 5), np.int64)
+        pieces = np.zeros((1024, 4)), np.zeros((1024, 5), np.int32)
         meetings = np.zeros((1024, 2)), np.zeros((1024, 2), np.int64)
         room, code = 4096, -1
         while code != 0:
@@ -272,55 +272,67 @@ def _joined(
     surface: Surface, parts: list[tuple[NDArray, NDArray, NDArray, NDArray, int]], shared: int
 ) -> VoronoiGraph:
     """Join the pieces of all slices, which are let go of, into borders; nodes below `shared` lie on mesh edges."""
-    from surftex.kernels.voronoi import chain
+    from surftex.kernels.voronoi import chain, lay_out
 
     total = shared
     for _, piece_id, _, meeting_id, inner in parts:
         for column in (piece_id[:, 1:3], meeting_id[:, 1:2]):
             column[column >= shared] += total - shared
         total += inner
-    piece, piece_id, meeting, meeting_id = (np.concatenate([part[i] for part in parts]) for i in range(4))
+    meeting, meeting_id = (np.concatenate([part[i] for part in parts]) for i in (2, 3))
+    piece, piece_id = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
     parts.clear()
-    node, count = np.ascontiguousarray(piece_id[:, 1:3]), len(piece)
-    vertex = np.full(total, -1, np.int64)
+    count = len(piece)
+    vertex = np.full(total, -1, np.int32)
     vertex[meeting_id[:, 1]] = np.arange(len(meeting))
-    start, incident = _listed(node.ravel(), total, np.repeat(np.arange(count), 2))
-    order, curve = np.zeros(count, np.int64), np.zeros(count, np.int64)
-    flipped, ends = np.zeros(count, np.uint8), np.zeros((count, 2), np.int64)
-    curves = chain(start, incident, node, vertex, np.zeros(count, np.uint8), order, flipped, curve, ends)
-    region = piece_id[order, 3:5]
-    region[flipped == 1] = region[flipped == 1, ::-1]
+    order, curve = np.zeros(count, np.int32), np.zeros(count, np.int32)
+    flipped, ends = np.zeros(count, np.uint8), np.zeros((count, 2), np.int32)
+    curves = chain(
+        *_incident(piece_id, total), piece_id, vertex, np.zeros(count, np.uint8), order, flipped, curve, ends
+    )
+    del vertex
     first = np.flatnonzero(np.diff(curve, prepend=-1))
-    region, ends = region[first], ends[:curves]
+    region, ends = piece_id[order[first], 3:5], ends[:curves].copy()
+    backwards = flipped[first] == 1
+    region[backwards] = region[backwards, ::-1]
     # walk every border so that the lower number lies on its left
     wrong = region[:, 0] > region[:, 1]
     region[wrong], ends[wrong] = region[wrong, ::-1], ends[wrong, ::-1]
-    place = np.arange(count)
-    last = np.append(first[1:], count) - 1
-    mirrored = wrong[curve]
-    place[mirrored] = (first + last)[curve[mirrored]] - place[mirrored]
-    order, flipped = order[place], flipped[place].astype(bool) ^ mirrored
-    piece = piece[order]
-    piece[flipped] = piece[flipped][:, [2, 3, 0, 1]]
-    kept = (piece[:, :2] != piece[:, 2:]).any(axis=1)
+    face, start, end = np.zeros(count, np.int32), np.zeros((count, 2)), np.zeros((count, 2))
+    lay_out(piece, piece_id, order, flipped, first, wrong.view(np.uint8), face, start, end)
+    del piece, piece_id, order, flipped
+    kept = (start != end).any(axis=1)
     kept[first[np.bincount(curve, kept, minlength=curves) == 0]] = True
-    pieces = CurvePieces.of(piece_id[order][kept, 0], piece[kept, :2], piece[kept, 2:], curve[kept])
-    face = meeting_id[:, 0].astype(np.int32)
-    points = SurfacePoints.trusted(frozen(face), frozen(barycentric_of(surface, face, meeting)))
+    if not kept.all():
+        face, start, end, curve = face[kept], start[kept], end[kept], curve[kept]
+    pieces = CurvePieces.of(face, start, end, curve)
+    del face, start, end, curve, kept
+    at = meeting_id[:, 0].astype(np.int32)
+    points = SurfacePoints.trusted(frozen(at), frozen(barycentric_of(surface, at, meeting)))
     return VoronoiGraph(
-        points,
-        frozen(_vertex_region(len(meeting), ends, region)),
-        frozen(ends.astype(np.int32)),
-        frozen(region.astype(np.int32)),
-        pieces,
+        points, frozen(_vertex_region(len(meeting), ends, region)), frozen(ends), frozen(region), pieces
     )
+
+
+def _incident(piece_id: NDArray[np.int32], total: int) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Pieces at each of `total` nodes: start (total + 1,), and the pieces."""
+    from surftex.kernels.ordering import order_by_face
+
+    node = frozen(piece_id[:, 1:3].ravel())
+    place, incident = np.zeros(total + 1, np.int64), np.zeros(len(node), np.int32)
+    order_by_face(node, place, incident)
+    incident >>= 1
+    return np.concatenate([[0], place[:-1]]), incident
 
 
 def _vertex_region(count: int, ends: NDArray, region: NDArray) -> NDArray[np.int32]:
     """(v, 3) the three lowest sites at each vertex, ascending; the last one repeats where there are fewer."""
+    if count == 0:
+        return np.zeros((0, 3), np.int32)
     edge, side = np.nonzero(ends >= 0)
-    pairs = np.unique(np.stack([np.repeat(ends[edge, side], 2), region[edge].ravel()], axis=1), axis=0)
-    first = np.searchsorted(pairs[:, 0], np.arange(count))
-    size = np.bincount(pairs[:, 0], minlength=count)
+    vertex, site = np.repeat(ends[edge, side], 2).astype(np.int64), region[edge].ravel()
+    vertex, site = np.divmod(np.unique((vertex << 32) + site), 1 << 32)
+    first = np.searchsorted(vertex, np.arange(count))
+    size = np.bincount(vertex, minlength=count)
     column = np.minimum(np.arange(3), size[:, None] - 1)
-    return pairs[first[:, None] + column, 1].astype(np.int32) if count else np.zeros((0, 3), np.int32)
+    return site[first[:, None] + column].astype(np.int32)

@@ -6,6 +6,7 @@ turned and shifted at random for each octave, so that no axis shows.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,17 +81,28 @@ class Noise:
 
     def _octaves(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Key, turned frame, offset, weight and wavelength of each octave."""
-        keys, frames, offsets = [], [], []
-        wavelength = self.wavelength_mm * 0.5 ** np.arange(self.octaves)
-        for octave in range(self.octaves):
-            own = stream(self.stream.key, "octave", octave)
-            numbers = own.uniform(1, 7)[0]
-            keys.append(own.key)
-            frames.append(_rotation(numbers[:3]) * (_CELLS_PER_WAVELENGTH / wavelength[octave]))
-            offsets.append(numbers[3:6] * 256)
-        weight = self.gain ** np.arange(self.octaves)
-        weight *= _UNIT_RMS / np.sqrt((weight**2).sum())
-        return np.array(keys, np.uint64), np.array(frames), np.array(offsets), weight, wavelength
+        return _octaves(self.stream.key, self.wavelength_mm, self.octaves, self.gain)
+
+
+@lru_cache(maxsize=256)
+def _octaves(
+    key: int, wavelength_mm: float, octaves: int, gain: float
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+    """Draw the octaves of a noise; a bake asks for the same few, slice by slice."""
+    keys, frames, offsets = [], [], []
+    wavelength = wavelength_mm * 0.5 ** np.arange(octaves)
+    for octave in range(octaves):
+        own = stream(key, "octave", octave)
+        numbers = own.uniform(1, 7)[0]
+        keys.append(own.key)
+        frames.append(_rotation(numbers[:3]) * (_CELLS_PER_WAVELENGTH / wavelength[octave]))
+        offsets.append(numbers[3:6] * 256)
+    weight = gain ** np.arange(octaves)
+    weight *= _UNIT_RMS / np.sqrt((weight**2).sum())
+    drawn = np.array(keys, np.uint64), np.array(frames), np.array(offsets), weight, wavelength
+    for array in drawn:
+        array.flags.writeable = False
+    return drawn
 
 
 def _rotation(numbers: NDArray[np.float64]) -> NDArray[np.float64]:

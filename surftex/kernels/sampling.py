@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from surftex.kernels.evaluate import distance_to, leaving_direction
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
 
 
 @kernel
@@ -20,6 +20,15 @@ def _norm(kind, row, r, x, y, distance, s, whiten, axis):
         return distance / axis[s, 1]
     c, d = leaving_direction(kind, row, r, x, y)
     return distance * math.hypot(whiten[s, 0] * c + whiten[s, 1] * d, whiten[s, 2] * c + whiten[s, 3] * d)
+
+
+@part
+def _beyond(kind, row, r, x, y, far):
+    """Whether even the straight line through row r, that of a point source, is longer than `far`."""
+    if kind > 1:
+        return False
+    dx, dy, left = x - row[r, 0], y - row[r, 1], far - row[r, 6]
+    return left <= 0.0 or dx * dx + dy * dy > left * left * (1.0 + 1e-12)
 
 
 @kernel
@@ -37,6 +46,8 @@ def excluded_darts(begin, end, bucket, flat, start, entry_row, row, row_id, sour
         for e in range(first, last):
             r = entry_row[e]
             s = source_of[row_id[r, 1]]
+            if _beyond(row_id[r, 2], row, r, x, y, axis[s, 0]):
+                continue
             distance = distance_to(row_id[r, 2], row, r, x, y)
             if distance >= axis[s, 0]:
                 continue
@@ -106,6 +117,8 @@ def covered_pieces(begin, end, bucket, corner, start, entry_row, row, row_id, so
         for e in range(first, last):
             r = entry_row[e]
             s = source_of[row_id[r, 1]]
+            if _beyond(row_id[r, 2], row, r, x, y, axis[s, 0] + radius):
+                continue
             distance = distance_to(row_id[r, 2], row, r, x, y)
             if distance >= axis[s, 0] + radius:
                 continue

@@ -502,13 +502,13 @@ def face_borders(
 
 
 @kernel
-def chain(start, incident, piece_node, node_vertex, visited, order, flipped, curve, curve_vertex):
+def chain(start, incident, piece_id, node_vertex, visited, order, flipped, curve, curve_vertex):
     """Join pieces into curves that end at meeting points, at borders of the surface, or nowhere.
 
-    start (n+1,), incident (2p,) int64: pieces at each node; piece_node (p, 2); node_vertex (n,) int64: meeting
-    point at a node or -1; visited (p,) uint8: zeros -> order (p,) int64: pieces in walking order, flipped (p,) uint8,
-    curve (p,) int64 of each, curve_vertex (c, 2) int64: meeting points at the ends, -1 for none. Returns the
-    number of curves.
+    start (n+1,) int64, incident (2p,) int32: pieces at each node; piece_id (p, 5) int32: its nodes are columns 1 and 2;
+    node_vertex (n,) int32: meeting point at a node or -1; visited (p,) uint8: zeros -> order (p,) int32: pieces in walking
+    order, flipped (p,) uint8, curve (p,) int32 of each, curve_vertex (c, 2) int32: meeting points at the ends, -1 for
+    none. Returns the number of curves.
     """
     done, curves = 0, 0
     for phase in range(3):
@@ -526,10 +526,10 @@ def chain(start, incident, piece_node, node_vertex, visited, order, flipped, cur
                 while at >= 0:
                     visited[at] = 1
                     order[done] = at
-                    flipped[done] = 1 if piece_node[at, 0] != here else 0
+                    flipped[done] = 1 if piece_id[at, 1] != here else 0
                     curve[done] = curves
                     done += 1
-                    here = piece_node[at, 0] if piece_node[at, 0] != here else piece_node[at, 1]
+                    here = piece_id[at, 1] if piece_id[at, 1] != here else piece_id[at, 2]
                     at = -1
                     if node_vertex[here] < 0:
                         for q in range(start[here], start[here + 1]):
@@ -538,3 +538,24 @@ def chain(start, incident, piece_node, node_vertex, visited, order, flipped, cur
                 curve_vertex[curves, 1] = node_vertex[here]
                 curves += 1
     return curves
+
+
+@kernel
+def lay_out(piece, piece_id, order, flipped, first, backwards, face, start, end):
+    """Lay pieces out in the walking order of `chain`, curve by curve.
+
+    piece (p, 4), piece_id (p, 5) int32: places of both ends, and face first; order (p,), flipped (p,): from `chain`; first
+    (c,) int64: place of each curve's first piece in the order; backwards (c,) uint8: whether a curve is walked from its
+    other end -> face (p,) int32, start (p, 2), end (p, 2).
+    """
+    for c in range(len(first)):
+        low = first[c]
+        high = first[c + 1] if c + 1 < len(first) else len(order)
+        for i in range(low, high):
+            at = low + high - 1 - i if backwards[c] else i
+            p = order[at]
+            face[i] = piece_id[p, 0]
+            turned = flipped[at] != backwards[c]
+            for k in range(2):
+                start[i, k] = piece[p, k + 2 if turned else k]
+                end[i, k] = piece[p, k if turned else k + 2]

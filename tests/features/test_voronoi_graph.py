@@ -6,6 +6,7 @@ from surftex.features.poisson import Sites, poisson_disk
 from surftex.features.uniform import scatter
 from surftex.features.voronoi_graph import VoronoiGraph
 from surftex.geodesics.windows import flood_points, nearest
+from surftex.kernels.voronoi import lay_out
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import cylinder, plane, sphere, torus
@@ -152,3 +153,20 @@ def test_threads_and_numbering_change_nothing():
     assert {tuple(row) for row in one.vertex_region} == {tuple(row) for row in other.vertex_region}
     length = [np.sort(graph.pieces.curve_length_mm) for graph in (one, other)]
     assert np.abs(length[0] - length[1]).max() < 1e-3
+
+
+def test_pieces_are_laid_out_curve_by_curve_and_turned_to_their_walk():
+    random = np.random.default_rng(3)
+    count, first = 60, np.array([0, 1, 9, 30])
+    piece, piece_id = random.random((count, 4)), random.integers(0, 99, (count, 5)).astype(np.int32)
+    order, flipped = random.permutation(count).astype(np.int32), random.integers(0, 2, count).astype(np.uint8)
+    backwards = np.array([1, 0, 1, 0], np.uint8)
+    face, start, end = np.zeros(count, np.int32), np.zeros((count, 2)), np.zeros((count, 2))
+    lay_out(piece, piece_id, order, flipped, first, backwards, face, start, end)
+    walks = np.split(np.arange(count), first[1:])
+    at = np.concatenate([walk[::-1] if back else walk for walk, back in zip(walks, backwards, strict=True)])
+    turned = flipped[at].astype(bool) ^ np.repeat(backwards, np.diff([*first, count])).astype(bool)
+    expected = piece[order[at]]
+    expected[turned] = expected[turned][:, [2, 3, 0, 1]]
+    assert (face == piece_id[order[at], 0]).all()
+    assert (np.hstack([start, end]) == expected).all()

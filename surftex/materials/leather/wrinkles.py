@@ -102,8 +102,6 @@ class _Furrows:
     vertex_end: NDArray[np.int64]
     pair: NDArray[np.int64]
     pair_edge: NDArray[np.int64]
-    place: NDArray[np.float64]
-    place_end: NDArray[np.float64]
     count: int
 
     @staticmethod
@@ -113,13 +111,12 @@ class _Furrows:
         last = np.append(first[1:], len(pieces)) - 1
         number = pieces.curve[first].astype(np.int64)
         ahead, back = pieces.end[first] - pieces.start[first], pieces.start[last] - pieces.end[last]
-        start, end = pieces.points(surface, 0.0), pieces.points(surface, 1.0)
+        start = _places(surface, pieces.face[first], pieces.start[first])
+        end = _places(surface, pieces.face[last], pieces.end[last])
         leaving = np.stack(
             [
-                np.arctan2(ahead[:, 1], ahead[:, 0])
-                - stress.at(SurfacePoints.trusted(start.face[first], start.barycentric[first])),
-                np.arctan2(back[:, 1], back[:, 0])
-                - stress.at(SurfacePoints.trusted(end.face[last], end.barycentric[last])),
+                np.arctan2(ahead[:, 1], ahead[:, 0]) - stress.at(start),
+                np.arctan2(back[:, 1], back[:, 0]) - stress.at(end),
             ],
             axis=1,
         )
@@ -140,8 +137,6 @@ class _Furrows:
             vertex_end,
             pair[pair_edge],
             pair_edge,
-            start.positions(surface),
-            end.positions(surface),
             len(number),
         )
 
@@ -233,7 +228,10 @@ class _Walk:
         pieces = furrows.graph.pieces
         rows = np.concatenate([np.arange(furrows.first[edge], furrows.last[edge]) for edge in candidates])
         edges = np.repeat(candidates, [furrows.last[edge] - furrows.first[edge] for edge in candidates])
-        begin, end = furrows.place[rows], furrows.place_end[rows]
+        begin, end = (
+            _places(surface, pieces.face[rows], flat[rows]).positions(surface)
+            for flat in (pieces.start, pieces.end)
+        )
         along = end - begin
         square = np.maximum((along**2).sum(axis=1), 1e-300)
         share = np.clip(((here - begin) * along).sum(axis=1) / square, 0, 1)
@@ -300,9 +298,12 @@ def _turn(angle: float) -> float:
     return float(abs((angle + np.pi) % (2 * np.pi) - np.pi))
 
 
+def _places(surface: Surface, face: NDArray[np.int32], flat: NDArray[np.float64]) -> SurfacePoints:
+    """Make points of places in the frames of faces."""
+    return SurfacePoints.trusted(face, barycentric_of(surface, face, flat))
+
+
 def _points(surface: Surface, places: list[tuple[int, NDArray[np.float64]]]) -> SurfacePoints:
     """Make points of faces and places in their frames."""
     face = np.array([face for face, _ in places], np.int32)
-    return SurfacePoints.trusted(
-        face, barycentric_of(surface, face, np.array([place for _, place in places]))
-    )
+    return _places(surface, face, np.array([place for _, place in places]))
