@@ -1,10 +1,13 @@
 """Learnt textures: `python -m benchmarks.composite [pictures|speed|surface|choices|seams]`; all of them without a name.
 
 Pictures: metrics of what was drawn, as multiples of those between two halves of the exemplar; all methods learn from the
-left half alone. Beside them own quilting, which copies. Speed: CPU seconds for a megapixel, learning and drawing in all.
-Surface: a million pixels on a sphere. Choices: what selection against noise, forced near pairs, and layouts from coarse
-to fine do. Seams: how much more pairs over seams differ from the others than pairs over borders of random cells do.
-Times are of this process, all threads, warm.
+left half alone. Beside them own quilting, which copies, and Portilla and Simoncelli's statistics where `SURFTEX_PLENOPTIC`
+names a Python that has plenoptic (`benchmarks/portilla_simoncelli.py`). Coherence is told against more halves of the
+exemplar too: how much of a photograph looks copied from the rest of it. Speed: CPU seconds for a megapixel, learning and
+drawing in all. Surface: a million pixels on a sphere. Choices: what selection against noise, forced near pairs, and layouts
+from coarse to fine do. Seams: how much more pairs over seams differ from the others than pairs over borders of random cells
+do; eight drawings, six sets of cells; by chance: the same of one set of cells against the others. Times are of this
+process, all threads, warm.
 
 Goals: near <= 1.1, pattern1 <= 2.3 and pattern2 <= 1.3 (gravel), coherence <= 1.2, largest piece <= 64 pixels; pairs <= 20
 and quads <= 100 CPU-s per megapixel in all; a million pixels on a surface, pairs, <= 120 s wall on two threads.
@@ -20,11 +23,13 @@ import numpy as np
 from PIL import Image
 
 import surftex as sx
+from benchmarks import portilla_simoncelli
 from benchmarks.quilting import quilt
 from docs.made_exemplars import breccia
 from surftex.charts.surface_lattice import SurfaceLattice
 from surftex.exemplar import learn
 from surftex.exemplar.lattice import Table
+from surftex.exemplar.metrics import copying
 from surftex.exemplar.relaxation import asked_offsets
 from surftex.geodesics.directions import DirectionField
 from surftex.randomness import stream
@@ -40,6 +45,13 @@ def exemplar(name):
     return picture.reshape(256, 2, 256, 2).mean(axis=(1, 3)).round().astype(np.uint8)
 
 
+def weave():
+    """A quarter of the size of a photograph of gingham, (256, 256, 3)."""
+    picture = Image.open(SHARED / "fabric_pattern_07_col.jpg").convert("RGB")
+    small = picture.resize((picture.width // 4, picture.height // 4), Image.Resampling.BOX)
+    return np.ascontiguousarray(np.asarray(small)[:256, :256])
+
+
 def timed(work):
     """What a call gives, its CPU seconds and its wall seconds."""
     cpu, wall = time.process_time(), time.perf_counter()
@@ -48,6 +60,8 @@ def timed(work):
 
 
 def pictures():
+    if portilla_simoncelli.peer() is None:
+        print("Portilla and Simoncelli: left out; SURFTEX_PLENOPTIC names a Python that has plenoptic")
     print(f"{'':<26}" + "".join(f"{name:>12}" for name in METRICS) + f"{'CPU-s/MP':>10}")
     for name in ("gravel_skimage.png", "brick_skimage.png"):
         if not (SHARED / name).exists():
@@ -65,23 +79,43 @@ def pictures():
             f"{name.split('_')[0] + ', right half':<26}"
             + "".join(f"{natural[key]:>12.4f}" for key in METRICS)
         )
+        if portilla_simoncelli.peer() is not None:
+            ways["Portilla-Simoncelli"] = lambda left=left: portilla_simoncelli.draw(left, 1)
         for way, work in ways.items():
             drawn, cpu, _ = timed(work)
+            if isinstance(drawn, tuple):
+                drawn, cpu = drawn
             found = sx.metrics(drawn, left)
             ratio = [found[key] / natural[key] for key in METRICS[:-1]]
             row = "".join(f"{each:>12.2f}" for each in ratio) + f"{found['largest_px']:>12.0f}"
-            print(f"{'  ' + way:<26}{row}{1e6 * cpu / drawn.size:>10.1f}", flush=True)
+            unseen = copying(drawn, right)[0] / natural["coherence"]
+            print(
+                f"{'  ' + way:<26}{row}{1e6 * cpu / drawn.size:>10.1f}  coherence with the half not learnt from {unseen:.2f}",
+                flush=True,
+            )
+        print_halves(whole, natural["coherence"])
+
+
+def print_halves(whole, natural):
+    """Coherence of halves of an exemplar with each other, in multiples of that of its right half with its left."""
+    found = []
+    for turned in (whole, np.roll(whole, 64, axis=1), whole.T):
+        one, other = (np.ascontiguousarray(each) for each in (turned[:, :128], turned[:, 128:]))
+        found += [copying(one, other)[0] / natural, copying(other, one)[0] / natural]
+    print("  coherence of other halves of it: " + " ".join(f"{each:.2f}" for each in found), flush=True)
 
 
 def speed():
-    print("a megapixel of gravel from 256 x 256, learning and drawing in all")
-    whole = exemplar("gravel_skimage.png")
-    for order in ("pair", "quad"):
-        sx.learn_texture(whole, order=order).synthesize(64, 64, sweeps=2)
-        model, learnt, _ = timed(lambda order=order: sx.learn_texture(whole, order=order))
+    print("a megapixel from 256 x 256, learning and drawing in all")
+    for name, order, whole in (
+        ("gravel, pairs", "pair", exemplar("gravel_skimage.png")), ("gravel, fours", "quad", exemplar("gravel_skimage.png")),
+        ("gingham in colour, pairs", "pair", weave()), ("gingham in colour, fours", "quad", weave()),
+    ):  # fmt: skip
+        sx.learn_texture(whole[:64, :64], order=order).synthesize(64, 64, sweeps=2)
+        model, learnt, _ = timed(lambda whole=whole, order=order: sx.learn_texture(whole, order=order))
         _, drawn, wall = timed(lambda model=model: model.synthesize(1000, 1000, 1))
         print(
-            f"  {order:<8}{model.nbytes:>8} bytes  learn {learnt:6.2f}  draw {drawn:6.2f}  in all {learnt + drawn:6.2f} CPU-s"
+            f"  {name:<26}{model.nbytes:>8} bytes  learn {learnt:6.2f}  draw {drawn:6.2f}  in all {learnt + drawn:6.2f} CPU-s"
             f"  ({wall:.1f} s wall)", flush=True,
         )  # fmt: skip
 
@@ -163,39 +197,70 @@ def seams():
     offset = asked_offsets(model.target)
     for body in (sphere(40.0, subdivisions=4), torus(28.0, 12.0)):
         up = DirectionField.smoothest(body)
-        for name, turn in (("charts along the field", 0.0), ("charts at 45 degrees", np.pi / 4)):
+        for name, turn, change in (
+            ("charts along the field", 0.0, np.copy), ("charts at 45 degrees", np.pi / 4, np.copy),
+            ("steps that lead back", 0.0, lambda table: leading_back(offset, table)),
+        ):  # fmt: skip
             lattice = SurfaceLattice.of(body, up.turned(turn), 0.4)
             lattice = replace(lattice, angle_rad=lattice.angle_rad - turn)
-            table = Table(offset, lattice.table(offset, stream(0, "steps")))
-            ratios = [seam_ratio(lattice, table, model.levels_on(table, seed)) for seed in (1, 2)]
+            table = Table(offset, change(lattice.table(offset, stream(0, "steps"))))
+            crossing = crossings(lattice, table)
+            found = [seam_ratio(crossing, model.levels_on(table, seed)[0]) for seed in range(1, 9)]
+            ratio, chance = np.array([each[0] for each in found]), np.concatenate([each[1] for each in found])
             print(
-                f"{body.name:<8}{name:<26}{len(lattice):>8} pixels  seam ratio "
-                + " ".join(f"{each:.2f}" for each in ratios)
-            )
+                f"{body.name:<8}{name:<26}{len(lattice):>8} pixels  seam ratio {ratio.mean():.2f} +- "
+                f"{ratio.std() / np.sqrt(len(ratio)):.2f}, from {ratio.min():.2f} to {ratio.max():.2f}; by chance from "
+                f"{chance.min():.2f} to {chance.max():.2f}", flush=True,
+            )  # fmt: skip
 
 
-def seam_ratio(lattice, table, level):
-    """Mean over short pairs of the distance of those over seams, by that of those over borders of random cells."""
-    chart = lattice.atlas.chart[lattice.points.face]
-    place = lattice.points.positions(lattice.surface)
-    cell = np.linalg.norm(place[:, None] - place[len(place) // 80 :: len(place) // 30], axis=2).argmin(axis=1)
-    far = []
-    for step in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (-1, 1)):
-        column = np.flatnonzero((table.offset == step).all(axis=1))
-        if len(column) == 0:
+def leading_back(offset, table):
+    """A table whose steps back are those forth, the other way round, wherever some step forth led to a site."""
+    table, count = table.copy(), len(table) - 1
+    column = {tuple(map(int, each)): at for at, each in enumerate(offset)}
+    for (right, down), at in column.items():
+        back = column.get((-right, -down))
+        if (down, right) <= (0, 0) or back is None:
             continue
-        there = table.table[:-1, column[0]]
-        site = np.flatnonzero(there < len(lattice))
-        difference = level[0, there[site]].astype(int) - level[0, site] + 31
-        crossing, pretended = chart[site] != chart[there[site]], cell[site] != cell[there[site]]
-        known = np.bincount(difference[~crossing & ~pretended], minlength=63)
-        some = [difference[crossing], difference[~crossing & pretended]]
-        count = min(map(len, some))
-        some = [
-            np.bincount(each[np.arange(count) * len(each) // count], minlength=63) / count for each in some
-        ]
-        far.append([np.linalg.norm(each - known / known.sum()) for each in some])
-    return float(np.divide(*np.mean(far, axis=0)))
+        come = np.full(count + 1, -1)
+        come[table[:-1, at]] = np.arange(count)
+        table[:-1, back] = np.where(come[:-1] >= 0, come[:-1], table[:-1, back])
+    return table
+
+
+def crossings(lattice, table):
+    """For short steps: sites, where they lead, whether over a seam, and whether over borders of each set of cells."""
+    chart = lattice.atlas.chart[lattice.points.face]
+    place, random = lattice.points.positions(lattice.surface), np.random.default_rng(0)
+    middle = [place[random.choice(len(place), 30, replace=False)] for _ in range(6)]
+    cells = [np.linalg.norm(place[:, None] - each, axis=2).argmin(axis=1) for each in middle]
+    found = []
+    for step in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (-1, 1)):
+        for column in np.flatnonzero((table.offset == step).all(axis=1)):
+            there = table.table[:-1, column]
+            site = np.flatnonzero(there < len(lattice))
+            there = there[site]
+            found.append(
+                (site, there, chart[site] != chart[there], [each[site] != each[there] for each in cells])
+            )
+    return found
+
+
+def seam_ratio(crossing, level):
+    """Mean distance of pairs over seams by that over borders of cells, and such ratios of one set of cells each."""
+    seam, border = [], []
+    for site, there, over, pretended in crossing:
+        difference = level[there].astype(int) - level[site] + 31
+        known = np.bincount(difference[~over], minlength=63) / (~over).sum()
+        count = min(2000, over.sum(), *((each & ~over).sum() for each in pretended))
+        some = [np.flatnonzero(each) for each in (over, *(each & ~over for each in pretended))]
+        some = [difference[each[np.arange(count) * len(each) // count]] for each in some]
+        far = [np.linalg.norm(np.bincount(each, minlength=63) / count - known) for each in some]
+        seam.append(far[0])
+        border.append(far[1:])
+    border = np.mean(border, axis=0)
+    others = (border.sum() - border) / (len(border) - 1)
+    return float(np.mean(seam) / border.mean()), border / others
 
 
 if __name__ == "__main__":

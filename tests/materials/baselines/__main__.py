@@ -1,0 +1,3 @@
+from tests.materials.baselines import main
+
+main()
