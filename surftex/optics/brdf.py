@@ -187,8 +187,9 @@ def sorted_into(
         Bin b owns ``order[start[b]:start[b + 1]]``.
     """
     used = np.flatnonzero(weight)
-    order = used[np.argsort(bin_of[used], kind="stable")]
-    return order, np.searchsorted(bin_of[order], np.arange(count + 1))
+    place = bin_of[used].astype(np.uint16 if count <= 2**16 else np.int64)  # what is short is sorted by its digits
+    start = np.concatenate([[0], np.cumsum(np.bincount(place, minlength=count))])
+    return used[np.argsort(place, kind="stable")], start
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,10 +279,9 @@ class Absorbers:
         order, start = places
 
         def work(first: int, last: int) -> None:
-            row = np.zeros(total.shape[2:])
             absorb(
                 first, last, start, order, paths.lengths, weight, self.corneum, self.epidermis, self.papillary,
-                self.reticular, share, row, total,
+                self.reticular, share, total,
             )  # fmt: skip
 
         slices(work, len(total), size=_SLICE_BINS, threads=threads)

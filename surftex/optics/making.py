@@ -160,24 +160,23 @@ def make_table(
     """
     kept = {} if kept is None else kept
     maker = _Maker(making, threads)
-    epidermis, corneum = maker.axes["epidermis_cm"], maker.axes["stratum_corneum_cm"]
-    together = [corneum] if making.engine == "biospec" else [corneum[i : i + 1] for i in range(len(corneum))]
-    pieces = [(i, j) for i in range(len(epidermis)) for j in range(len(together))]
-    rows = []
-    for done, (i, j) in enumerate(pieces):
-        name = f"{making.key}-{i}-{j}"
+    pieces, rows = maker.pieces(), []
+    across = len({corneum.start for _, corneum in pieces})
+    for done, (epidermis, corneum) in enumerate(pieces):
+        name = f"{making.key}-{epidermis.start}-{epidermis.stop}-{corneum.start}"
         if name not in kept:
-            for share in maker.fill(epidermis[i], together[j], kept, name):
+            for share in maker.fill(epidermis, corneum, kept, name):
                 if tick:
                     tick((done + share) / len(pieces))
         rows.append(kept[name])
         if tick:
             tick((done + 1) / len(pieces))
-    columns = [
-        np.concatenate(rows[i : i + len(together)], axis=2) for i in range(0, len(rows), len(together))
-    ]
-    return SkinTable(np.stack(columns, axis=2), making.settings())
+    columns = [np.concatenate(rows[i : i + across], axis=3) for i in range(0, len(rows), across)]
+    return SkinTable(np.concatenate(columns, axis=2), making.settings())
 
+
+_MOST_ENTRIES = 2000
+"""Entries of a piece: their BRDFs take 60 MB."""
 
 _Sorted = tuple[Paths, NDArray[np.float64], tuple[NDArray[np.int64], NDArray[np.int64]]]
 
@@ -196,8 +195,22 @@ class _Maker:
         making = self.making
         return surface_lobe(making.tissue, making.bins, seed=making.seed, threads=self.threads)
 
-    def absorbers(self, nm: float, corneum_cm: NDArray, epidermis_cm: float, thick: bool) -> Absorbers:
-        """All combinations at a wavelength; `thick`: per thickness instead of per cm."""
+    def pieces(self) -> list[tuple[slice, slice]]:
+        """Nodes of epidermis and stratum corneum that are filled at a time.
+
+        Paths of the thesis' walk serve all thicknesses: as many at a time as memory likes. Others serve one pair.
+        """
+        epidermis, corneum = (len(self.axes[name]) for name in ("epidermis_cm", "stratum_corneum_cm"))
+        if self.making.engine == "biospec":
+            entries = int(np.prod([len(each) for each in self.axes.values()])) // epidermis
+            step = max(1, _MOST_ENTRIES // entries)
+            return [
+                (slice(i, min(i + step, epidermis)), slice(0, corneum)) for i in range(0, epidermis, step)
+            ]
+        return [(slice(i, i + 1), slice(j, j + 1)) for i in range(epidermis) for j in range(corneum)]
+
+    def absorbers(self, nm: float, corneum_cm: NDArray, epidermis_cm: NDArray, thick: bool) -> Absorbers:
+        """All combinations at a wavelength, thicknesses of the epidermis fastest; `thick`: per thickness, not per cm."""
         tissue, axes, wave = self.making.tissue, self.axes, np.array([nm])
         pheomelanin, melanin = np.meshgrid(axes["pheomelanin"], axes["melanin"], indexing="ij")
         blood, oxygen = np.meshgrid(axes["blood"], axes["oxygenation"], indexing="ij")
@@ -208,22 +221,27 @@ class _Maker:
         if thick:
             return Absorbers(
                 corneum * corneum_cm,
-                pigment * epidermis_cm,
+                np.outer(pigment, epidermis_cm).ravel(),
                 papillary * tissue.papillary_cm,
                 reticular * tissue.reticular_cm,
             )
         return Absorbers(corneum, pigment, papillary, reticular)
 
-    def walk(self, nm: float, corneum_cm: NDArray, epidermis_cm: float) -> _Sorted:
+    def walk(self, nm: float, corneum_cm: NDArray, epidermis_cm: NDArray) -> _Sorted:
         """Paths under even light, sorted into the bins of the BRDF; no thickness changes those of the thesis' walk."""
         making = self.making
-        if making.engine == "biospec":
-            if nm not in self.crossed:
-                self.crossed[nm] = self.sorted(
-                    crossing_paths(making.tissue, nm, making.paths, seed=making.seed, threads=self.threads)
-                )
+        if nm in self.crossed:
             return self.crossed[nm]
-        return self.sorted(self.beam(nm, making.paths, float(corneum_cm[0]), epidermis_cm, cosine=0.0))
+        if making.engine == "biospec":
+            walked = self.sorted(
+                crossing_paths(making.tissue, nm, making.paths, seed=making.seed, threads=self.threads)
+            )
+            if len(self.pieces()) > 1:
+                self.crossed[nm] = walked
+            return walked
+        return self.sorted(
+            self.beam(nm, making.paths, float(corneum_cm[0]), float(epidermis_cm[0]), cosine=0.0)
+        )
 
     def sorted(self, paths: Paths) -> _Sorted:
         """Paths with their weight in the BRDF, and where they belong."""
@@ -240,35 +258,41 @@ class _Maker:
         )  # fmt: skip
 
     def fill(
-        self, epidermis_cm: float, corneum_cm: NDArray, kept: MutableMapping[str, NDArray], name: str
+        self, epidermis: slice, corneum: slice, kept: MutableMapping[str, NDArray], name: str
     ) -> Iterator[float]:
-        """Do one piece, telling its finished share; it is kept when whole: (p, m, s, b, o, columns)."""
+        """Do one piece, telling its finished share; it is kept when whole: (p, m, e, s, b, o, columns)."""
         making, bins, thick = self.making, self.making.bins, self.making.engine == "biospec"
         p, m, b, o = (len(self.axes[each]) for each in ("pheomelanin", "melanin", "blood", "oxygenation"))
-        e, s, d = p * m, len(corneum_cm), b * o
-        total = np.zeros((bins.count, 3, e, s * d))
-        wide = np.zeros((len(EDGES_MM) + 1, 3, e, s * d))
+        epidermis_cm, corneum_cm = (
+            self.axes["epidermis_cm"][epidermis],
+            self.axes["stratum_corneum_cm"][corneum],
+        )
+        e, s, d = len(epidermis_cm), len(corneum_cm), b * o
+        total = np.zeros((bins.count, 3, p * m * e, s * d))
+        wide = np.zeros((e, s, len(EDGES_MM) + 1, 3, p * m, d))
         for k, nm in enumerate(making.nm):
             yield 0.9 * k / len(making.nm)
             paths, weight, places = self.walk(nm, corneum_cm, epidermis_cm)
             absorbers = self.absorbers(nm, corneum_cm, epidermis_cm, thick)
             absorbers.sorted_sums(paths, weight, places, self.weights[k], total, threads=self.threads)
             if making.beam_paths:
-                for r, thickness in enumerate(corneum_cm):
-                    beam = self.beam(nm, making.beam_paths, float(thickness), epidermis_cm, cosine=1.0)
-                    alone = self.absorbers(nm, corneum_cm[r : r + 1], epidermis_cm, thick=False)
-                    part = np.ascontiguousarray(wide[..., r * d : (r + 1) * d])
-                    alone.sums(
-                        beam, beam.weight, rings(beam.wander_cm), self.weights[k], part, threads=self.threads
+                for i, r in np.ndindex(e, s):
+                    beam = self.beam(
+                        nm, making.beam_paths, float(corneum_cm[r]), float(epidermis_cm[i]), cosine=1.0
                     )
-                    wide[..., r * d : (r + 1) * d] = part
+                    alone = self.absorbers(nm, corneum_cm[r : r + 1], epidermis_cm[i : i + 1], thick=False)
+                    alone.sums(
+                        beam, beam.weight, rings(beam.wander_cm), self.weights[k], wide[i, r],
+                        threads=self.threads,
+                    )  # fmt: skip
         yield 0.9
         brdf = bins.symmetric(total.reshape(bins.count, 3, -1).transpose(2, 1, 0)) + self.surface
-        values = np.zeros((e * s * d, len(COLUMNS)))
-        values[:, :5] = self.matched(brdf)
+        values = np.zeros((p, m, e, s, b, o, len(COLUMNS)))
+        values[..., :5] = self.matched(brdf).reshape(p, m, e, s, b, o, 5)
         if making.beam_paths:
-            values[:, 5:] = fit_width(wide.reshape(len(wide), 3, -1).transpose(2, 1, 0))[0]
-        kept[name] = values.reshape(p, m, s, b, o, len(COLUMNS))
+            light = wide.reshape(e, s, len(EDGES_MM) + 1, 3, p, m, b, o)
+            values[..., 5:] = fit_width(light.transpose(4, 5, 0, 1, 6, 7, 3, 2))[0]
+        kept[name] = values
 
     def matched(self, brdf: NDArray[np.float64]) -> NDArray[np.float64]:
         """Colour, reflectance and roughness of BRDFs (n, 3, bins): (n, 5)."""

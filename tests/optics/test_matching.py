@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from surftex.errors import InputError
+from surftex.optics import making
 from surftex.optics.brdf import Absorbers, Bins, surface_lobe
+from surftex.optics.making import Making, make_table
 from surftex.optics.matching import bin_geometry, bin_parts, match
-from surftex.optics.paths import crossing_paths
+from surftex.optics.paths import Paths, crossing_paths
 from surftex.optics.shaders import SHADERS, shader_named
 from surftex.optics.tissue import Tissue
 from surftex.randomness import stream
+from tests.oracles import optics as oracle
 
 BINS = Bins(6, 6)
 DIFFUSE = np.array([[0.5, 0.3, 0.2], [0.1, 0.05, 0.02]])
@@ -144,3 +147,41 @@ def test_symmetrising_makes_the_crossing_walk_reciprocal_and_keeps_its_albedo():
     assert np.array_equal(cube, cube.swapaxes(0, 1))
     assert BINS.albedo(even) == pytest.approx(BINS.albedo(raw), rel=1e-12)
     assert np.linalg.norm(odd - odd.swapaxes(0, 1)) > 0.1 * np.linalg.norm(odd)  # the walk itself is not
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 1), (27, 3, 9), (5, 2, 8), (16, 1, 17)])
+def test_absorption_of_all_combinations_is_that_of_each(shape):
+    """Bins of 0 to 9 paths, some paths of weight 0, depths from nothing to beyond what counts; 1e-12 of each number."""
+    e, s, d = shape
+    numbers = stream(8, "absorb")
+    sums = 12 * numbers.uniform(40, 4) ** 3
+    weight = np.maximum(numbers.uniform(40, 1, first=500)[:, 0] - 0.1, 0)
+    bin_of = np.repeat(np.arange(12), [0, 1, 2, 3, 4, 5, 0, 6, 7, 9, 3, 0])
+    corneum, epidermis, papillary, reticular = (
+        8 * numbers.uniform(count, 1, first=1000 + 100 * k)[:, 0] for k, count in enumerate((s, e, d, d))
+    )
+    share, total = np.array([0.2, -0.1]), np.zeros((12, 2, e, s * d))
+    paths = Paths(sums, weight, np.ones(40, np.int8), np.zeros((40, 3)), np.ones(40), np.zeros(40))
+    Absorbers(corneum, epidermis, papillary, reticular).sums(paths, weight, bin_of, share, total)
+    slow = oracle.absorbed(sums, weight, bin_of, corneum, epidermis, papillary, reticular, share, 12)
+    assert np.allclose(total, slow, rtol=1e-12, atol=1e-15)
+    assert (total[[0, 6, 11]] == 0).all()
+
+
+def test_pieces_of_any_size_make_the_same_table(monkeypatch):
+    """The thesis' walk fills thicknesses of the epidermis together, or one by one where there are many entries."""
+    counts = {
+        "pheomelanin": 1,
+        "melanin": 2,
+        "epidermis_cm": 3,
+        "stratum_corneum_cm": 2,
+        "blood": 2,
+        "oxygenation": 1,
+    }
+    how = Making(engine="biospec", nodes=counts, paths=500, beam_paths=200, step_nm=50.0)
+    tables, kept = [], [{}, {}, {}]
+    for most, pieces in zip((2000, 16, 1), kept, strict=True):
+        monkeypatch.setattr(making, "_MOST_ENTRIES", most)
+        tables.append(make_table(how, kept=pieces).to_bytes())
+    assert [len(pieces) for pieces in kept] == [1, 2, 3]
+    assert tables[0] == tables[1] == tables[2]

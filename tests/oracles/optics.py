@@ -121,3 +121,17 @@ def layers_analog(index, absorption, scattering, forward, thickness, count, seed
                 break
             layer = there if crossed else layer
     return up / count, below / count
+
+
+def absorbed(sums, weight, bin_of, corneum, epidermis, papillary, reticular, share, bins):
+    """Weights of paths under every combination of absorbers, by bin: (bins, c, e, s * d); depths beyond 30 leave nothing."""
+
+    def left(depth):
+        return np.where(depth < 30, np.exp(-depth), 0.0)
+
+    total = np.zeros((bins, len(share), len(epidermis), len(corneum) * len(papillary)))
+    for path, heavy, place in zip(sums, weight, bin_of, strict=True):
+        dermis = left(papillary * path[2] + reticular * path[3])
+        below = np.outer(left(corneum * path[0]), dermis).ravel()
+        total[place] += share[:, None, None] * heavy * np.outer(left(epidermis * path[1]), below)
+    return total
