@@ -187,7 +187,8 @@ def sorted_into(
         Bin b owns ``order[start[b]:start[b + 1]]``.
     """
     used = np.flatnonzero(weight)
-    place = bin_of[used].astype(np.uint16 if count <= 2**16 else np.int64)  # what is short is sorted by its digits
+    short = np.uint16 if count <= 2**16 else np.int64  # sorted by its digits
+    place = bin_of[used].astype(short)
     start = np.concatenate([[0], np.cumsum(np.bincount(place, minlength=count))])
     return used[np.argsort(place, kind="stable")], start
 
