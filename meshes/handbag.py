@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshes.implicit import box, ellipsoid, intersection, ring, smoothstep, union
+from meshes.implicit import box, ellipsoid, intersection, ring, union
 from meshes.model import Part
 from meshes.nets import solid
 from meshes.sweep import band_section, grid_faces, outward, resampled, tube
@@ -22,17 +22,55 @@ def shape(p, grow=0.0):
     return intersection(body, -gusset, 18)
 
 
-def flap(p):
-    """A sheet over the top and the upper front, with a rounded edge."""
-    x, y, z = p.T
-    sheet = np.abs(shape(p) - 3.2) - 3.4
-    edge = -8 - 34 * np.sqrt(np.clip(1 - (x / 152) ** 2, 0, 1))
-    front = intersection(edge - y, np.abs(x) - 124 + 0.10 * np.abs(y - 30), 24)
-    behind = 74 - y
-    back = np.maximum(behind, np.abs(x) - 124 + 0.10 * np.abs(y - 30))
-    weight = smoothstep(-8, 8, z)
-    cut = weight * front + (1 - weight) * back
-    return intersection(sheet, cut * 0.8, 3.0)
+def flap():
+    """A sheet over the top and the upper front, cut straight behind and round in front, its rim rounded."""
+    wide, thick, step, corner = 118.0, 3.3, 5.5, 26.0
+    rim = thick * np.array([0.0, 0.3, 1.0])
+    x = spread(2 * wide, rim, step) - wide
+    bend = np.clip((np.abs(x) - wide + corner) / corner, 0, 0.96)
+    lowest = -8 - 34 * np.sqrt(1 - (x / 152) ** 2) + corner * (1 - np.sqrt(1 - bend**2))
+    angle = np.linspace(np.radians(-45), np.radians(166), 600)
+    rays = np.stack([np.zeros(600), np.cos(angle), np.sin(angle)], 1)
+    lines = []
+    for place, low in zip(x, lowest, strict=True):
+        middle = np.array([place, 60.0, 0.0])
+        near, far = np.zeros(600), np.full(600, 130.0)
+        for _ in range(40):
+            half = 0.5 * (near + far)
+            inside = shape(middle + half[:, None] * rays) < 3.0
+            near, far = np.where(inside, half, near), np.where(inside, far, half)
+        line = middle + near[:, None] * rays
+        kept = np.where(line[:, 2] < 0, line[:, 1] > 76, line[:, 1] > low)
+        line = line[kept]
+        arc = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        lines.append((line, arc))
+    rows = spread(max(arc[-1] for _, arc in lines), rim, step)
+    middle = np.empty((len(x), len(rows), 3))
+    for points, (line, arc) in zip(middle, lines, strict=True):
+        inner = np.linspace(rim[-1], arc[-1] - rim[-1], len(rows) - 4)
+        places = np.concatenate([rim[:2], inner, arc[-1] - rim[1::-1]])
+        points[:] = np.stack([np.interp(places, arc, line[:, i]) for i in range(3)], 1)
+    flat = middle.reshape(-1, 3)
+    normal = np.stack([shape(flat + 0.1 * axis) - shape(flat - 0.1 * axis) for axis in np.eye(3)], 1)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    inward = np.minimum(np.arange(len(x)), np.arange(len(x))[::-1])[:, None]
+    inward = np.minimum(inward, np.minimum(np.arange(len(rows)), np.arange(len(rows))[::-1])[None]).ravel()
+    high = thick * np.sqrt(1 - (1 - rim[np.minimum(inward, 2)] / thick) ** 2)
+    under = np.flatnonzero(inward > 0)
+    twin = np.arange(len(flat))
+    twin[under] = len(flat) + np.arange(len(under))
+    faces = grid_faces(len(x), len(rows))
+    vertices = np.concatenate([flat + high[:, None] * normal, (flat - high[:, None] * normal)[under]])
+    return outward(vertices, np.concatenate([faces, twin[faces][:, ::-1]]))
+
+
+def spread(length, rim, step):
+    """Places from 0 to a length: those of a rim at either end, even ones between; an odd number of them.
+
+    With odd numbers, `grid_faces` cuts no corner of a grid off with a triangle that lies on the rim alone.
+    """
+    count = 2 * round(0.5 * (length - 2 * rim[-1]) / step) + 1
+    return np.concatenate([rim[:-1], np.linspace(rim[-1], length - rim[-1], count), length - rim[-2::-1]])
 
 
 def strap(z, lean):
@@ -77,23 +115,14 @@ def clasp(p):
 def build():
     h = 8.2
     body = solid(shape, np.arange(-174, 174, h), np.arange(-124, 124, h), np.arange(-82, 82, h), rounds=8)
-    h = 5.8
-    cover = solid(
-        flap,
-        np.arange(-148, 148, h),
-        np.arange(-64, 122, h * 0.9),
-        np.arange(-76, 84, h * 0.85),
-        rounds=4,
-        fair=20,
-    )
-    parts = [Part("body", *body), Part("body", *cover)]
+    parts = [Part("body", *body), Part("body", *flap())]
     for z, lean in ((40.0, 22.0), (-40.0, -22.0)):
         side = 1 if z > 0 else -1
         parts.append(Part("straps", *strap(z, lean)))
         for x in (-82.0, 82.0):
             parts.append(Part("straps", *tab(x, z, side)))
             parts.append(Part("metal", *hoop([x, 122.0, z], 11.0, 2.0)))
-    step = 2.6
+    step = 2.1
     parts.append(
         Part(
             "metal",
