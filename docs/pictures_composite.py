@@ -14,10 +14,11 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from scipy.ndimage import gaussian_filter
 
 import surftex as sx
 from benchmarks.quilting import quilt
-from docs.made_exemplars import breccia, grass, ground
+from docs.made_exemplars import breccia, grass, ground, noise
 from docs.make_pictures import HERE, MESHES, MissingMeshError, save, shared
 from surftex.bake.bake import run
 from surftex.files.meshes import load
@@ -197,16 +198,120 @@ def bust():
     save(contact_sheet(pictures, columns=2), "textures-bust")
 
 
+def rounded_box(size, middle, radius, puff=0.0, step=18.0):
+    """A box with round edges, its top and bottom puffed out; vertices and faces."""
+    half = np.array(size, float) / 2
+    grid = [np.linspace(-each, each, max(2, round(2 * each / step))) for each in half]
+    vertices, faces, first = [], [], 0
+    for axis in range(3):
+        one, two = (axis + 1) % 3, (axis + 2) % 3
+        for side in (-1.0, 1.0):
+            u, v = (each.ravel() for each in np.meshgrid(grid[one], grid[two], indexing="ij"))
+            place = np.zeros((len(u), 3))
+            place[:, one], place[:, two], place[:, axis] = u, v, side * half[axis]
+            number = first + np.arange(len(u)).reshape(len(grid[one]), len(grid[two]))
+            a, b, c, d = (
+                each.ravel() for each in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+            )
+            some = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+            faces.append(some if side > 0 else some[:, ::-1])
+            vertices.append(place)
+            first += len(u)
+    place = np.concatenate(vertices)
+    core = np.clip(place, radius - half, half - radius)
+    away = place - core
+    place = core + radius * away / np.linalg.norm(away, axis=1, keepdims=True)
+    bulge = np.prod(1 - (place[:, ::2] / half[::2]) ** 2, axis=1).clip(0)
+    place[:, 1] += puff * bulge * np.sign(place[:, 1])
+    kept, which = np.unique(np.round(place, 4), axis=0, return_inverse=True)
+    return kept + middle, which.ravel()[np.concatenate(faces)]
+
+
+def sofa_mesh():
+    """A sofa of six puffed boxes, 1600 mm wide."""
+    boxes = (
+        ((1360, 160, 760), (0, 190, 0), 20, 0), ((670, 170, 700), (-338, 350, 30), 50, 26),
+        ((670, 170, 700), (338, 350, 30), 50, 26), ((1360, 620, 150), (0, 430, -360), 45, 0),
+        ((170, 520, 860), (-765, 370, 0), 60, 12), ((170, 520, 860), (765, 370, 0), 60, 12),
+    )  # fmt: skip
+    vertices, faces, first = [], [], 0
+    for size, middle, radius, puff in boxes:
+        some, corner = rounded_box(size, middle, radius, puff)
+        vertices.append(some)
+        faces.append(corner + first)
+        first += len(some)
+    return Surface.from_arrays(np.concatenate(vertices), np.concatenate(faces), name="sofa")
+
+
 def fabric():
-    """Gingham on a cushion and on the cover of a real chair."""
+    """Gingham on a cushion, on a sofa that we make, and on the cover of a real chair; its rows along an axis."""
     pictures = []
-    for surface, pixel in (
-        (load(MESHES / "cushion.obj"), "1.6 mm"),
-        (load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet"), "2.6 mm"),
+    for surface, pixel, axis in (
+        (load(MESHES / "cushion.obj"), "1.6 mm", (1, 0, 0)),
+        (sofa_mesh(), "5 mm", (1, 0, 0)),
+        (load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet"), "2.6 mm", (1, 0, 0)),
     ):
-        maps = sx.bake(surface, sx.Composite.preset("gingham", pixel_size=pixel), resolution=1024, seed=2)
-        pictures += [render(maps, size=(480, 480)), render(maps, size=(480, 480), zoom=4)]
-    save(contact_sheet(pictures, columns=4), "textures-fabric")
+        recipe = recipe_from_text(f"""
+        seed = 2
+        [fields]
+        rows = {{ axis = {list(axis)} }}
+        [[layer]]
+        material = "composite"
+        preset = "gingham"
+        pixel_size = "{pixel}"
+        direction = "rows"
+        """)
+        maps = run(_with(recipe, 1536), surface).maps
+        view = {"size": (460, 400), "view": (28, 22), "up": "y"}
+        pictures += [render(maps, **view, zoom=zoom) for zoom in (1, 2.5, 7)]
+    save(contact_sheet(pictures, columns=3), "textures-fabric")
+
+
+def pebbled():
+    """Colour, height and roughness of leather, (256, 256) each: real relief, put together from a map of its normals.
+
+    Colour and roughness are ours: furrows darker and rougher than what is rubbed.
+    """
+    code = np.asarray(Image.fromarray(exemplar("leather_pebble_normal.png", 1, 512)), float) / 127.5 - 1
+    slope = np.stack([-code[..., 0], code[..., 1]]) / np.maximum(code[..., 2], 0.2)
+    down, right = np.meshgrid(*(2 * np.pi * np.fft.fftfreq(each) for each in slope.shape[1:]), indexing="ij")
+    square = right**2 + down**2
+    square[0, 0] = 1
+    turn = -1j * (right * np.fft.fft2(slope[0]) + down * np.fft.fft2(slope[1])) / square
+    rise = np.fft.ifft2(turn).real
+    rise = gaussian_filter(rise, 0.7, mode="wrap") - gaussian_filter(rise, 25, mode="wrap")
+    rise = rise.reshape(256, 2, 256, 2).mean(axis=(1, 3))
+    low, high = np.percentile(rise, [0.5, 99.5])
+    share = np.clip((rise - low) / (high - low), 0, 1)
+    patina = share + 0.1 * noise(256, 2, "patina")
+    color = np.array([58, 30, 18]) + np.clip(patina, 0, 1)[..., None] * [98, 66, 42]
+    rough = 0.8 - 0.45 * share**1.5
+    return tuple(np.rint(each).astype(np.uint8) for each in (color, 255 * share, 255 * rough))
+
+
+def leather():
+    """A leather's colour, height and roughness; all three drawn together; the whole on a shoe."""
+    color, rise, rough = pebbled()
+    model = sx.learn_texture(color, height=rise, roughness=rough)
+    drawn = model.maps(256, 256, 1)
+    rows = [color, rise, rough, drawn["picture"], drawn["height"], drawn["roughness"]]
+    with tempfile.TemporaryDirectory() as folder:
+        model.save(Path(folder) / "leather.stex")
+        leather = sx.Composite(model=f"{folder}/leather.stex", pixel_size="1 mm", relief="0.7 mm")
+        maps = sx.bake(load(MESHES / "shoe.obj"), leather, resolution=1536, seed=2)
+    shoe = [render(maps, size=(256, 256), zoom=zoom) for zoom in (1, 3, 9)]
+    names = (
+        "colour",
+        "height",
+        "roughness",
+        "colour, drawn",
+        "height, drawn",
+        "roughness, drawn",
+        "",
+        "",
+        "",
+    )
+    save(contact_sheet([*rows, *shoe], names, columns=3), "textures-leather")
 
 
 def _with(recipe, resolution):
@@ -214,7 +319,8 @@ def _with(recipe, resolution):
 
 
 PICTURES = {
-    each.__name__: each for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric)
+    each.__name__: each
+    for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric, leather)
 }
 
 
