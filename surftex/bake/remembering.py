@@ -21,8 +21,10 @@ from surftex.surface.surface import Surface
 _LIBRARIES = ("numpy", "numba", "scipy", "xatlas", "uvunwrap", "potpourri3d", "libigl")
 
 
-def remembered_unwrap(surface: Surface, settings: BakeSettings, work: Callable[[], Atlas]) -> Atlas:
-    """Unwrap, or take the unwrap of an earlier run.
+def remembered_unwrap(
+    surface: Surface, settings: BakeSettings, work: Callable[[], Atlas], waiting: Callable[[], None]
+) -> Atlas:
+    """Unwrap, or take the unwrap of an earlier run, or of one that is at it.
 
     Parameters
     ----------
@@ -32,6 +34,8 @@ def remembered_unwrap(surface: Surface, settings: BakeSettings, work: Callable[[
         How.
     work : callable
         Unwraps.
+    waiting : callable
+        Called while another process unwraps the same; may raise to cancel.
 
     Returns
     -------
@@ -40,22 +44,36 @@ def remembered_unwrap(surface: Surface, settings: BakeSettings, work: Callable[[
     """
     how = ["unwrap", settings.unwrapper, settings.resolution, settings.gutter, settings.texels_per_mm]
     key = _key(how, surface)
-    found = shelf.kept(key)
-    if found is not None:
-        told = json.loads(found["told"].tobytes())
-        return Atlas.of(surface, found["corner_uv"], **{**told, "notes": tuple(told["notes"])})
-    atlas = work()
-    if not any("took over" in note for note in atlas.notes):
-        told = {
-            "unwrapper": atlas.unwrapper,
-            "resolution": atlas.resolution,
-            "gutter_px": atlas.gutter_px,
-            "notes": atlas.notes,
-        }
-        shelf.keep(
-            key, {"corner_uv": atlas.corner_uv, "told": np.frombuffer(json.dumps(told).encode(), np.uint8)}
-        )
+    atlas = _kept_unwrap(key, surface)
+    if atlas is not None:
+        return atlas
+    with shelf.alone(key, waiting):
+        atlas = _kept_unwrap(key, surface)
+        if atlas is None:
+            atlas = work()
+            if not any("took over" in note for note in atlas.notes):
+                _keep_unwrap(key, atlas)
     return atlas
+
+
+def _kept_unwrap(key: str, surface: Surface) -> Atlas | None:
+    found = shelf.kept(key)
+    if found is None:
+        return None
+    told = json.loads(found["told"].tobytes())
+    return Atlas.of(surface, found["corner_uv"], **{**told, "notes": tuple(told["notes"])})
+
+
+def _keep_unwrap(key: str, atlas: Atlas) -> None:
+    told = {
+        "unwrapper": atlas.unwrapper,
+        "resolution": atlas.resolution,
+        "gutter_px": atlas.gutter_px,
+        "notes": atlas.notes,
+    }
+    shelf.keep(
+        key, {"corner_uv": atlas.corner_uv, "told": np.frombuffer(json.dumps(told).encode(), np.uint8)}
+    )
 
 
 def features_key(recipe: Recipe, surface: Surface) -> str:

@@ -113,4 +113,6 @@ class Unwrapping:
                     tick=told,
                 )
 
-            return remembered_unwrap(self.surface, self.settings, work) if self.remember else work()
+            if not self.remember:
+                return work()
+            return remembered_unwrap(self.surface, self.settings, work, lambda: told(0.0))

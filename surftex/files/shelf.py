@@ -2,14 +2,16 @@
 
 The shelf is a convenience: a file that is damaged, or a folder that cannot be written, only means that the work is
 done again. Files appear by rename, so that many processes may share a shelf; the longest unused go when it is full.
+What several processes want at once is made by one of them (`alone`).
 """
 
 import hashlib
 import io
 import os
 import tempfile
-from collections.abc import Mapping
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +19,13 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
+from surftex.files.locks import locked
+
 MOST_BYTES = 2 * 2**30
 """Size of a full shelf."""
 
 _DIGEST = 32
+_POLL_S = 0.05
 _MOST_OF_ALL = 4
 """A result larger than the shelf over this is not kept."""
 
@@ -97,6 +102,47 @@ def keep(key: str, arrays: Mapping[str, NDArray[Any]], *, most_bytes: int = MOST
             Path(draft).unlink(missing_ok=True)
             raise
         _make_room(most_bytes)
+
+
+@contextmanager
+def alone(
+    key: str, waiting: Callable[[], None] = lambda: None, *, patience_s: float = 120.0
+) -> Iterator[None]:
+    """Let others who want the same result wait until this process has made and kept it.
+
+    Parameters
+    ----------
+    key : str
+        Of the result, in hexadecimal.
+    waiting : callable
+        Called several times a second while another process is at it; may raise to give up.
+    patience_s : float
+        After that long, or where there are no locks, the work is done side by side.
+
+    Yields
+    ------
+    nothing : None
+        Look for the result once more: it may have been made meanwhile.
+    """
+    path, lock = folder() / f"{key}.lock", None
+    end = time.monotonic() + patience_s
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    while True:
+        try:
+            lock = locked(path)
+        except OSError:  # no leave to write, or no locks
+            break
+        if lock is not None or time.monotonic() >= end:
+            break
+        waiting()
+        time.sleep(_POLL_S)
+    try:
+        yield
+    finally:
+        if lock is not None:
+            with lock, suppress(OSError):
+                path.unlink()
 
 
 def held() -> tuple[int, int]:

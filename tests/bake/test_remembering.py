@@ -1,10 +1,14 @@
 """Unwraps and features of an earlier run: the same bytes, less work, and never those of something else."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 import surftex.bake.remembering as remembering
 from surftex.bake.bake import run
+from surftex.charts import unwrap
 from surftex.files import shelf
 from surftex.materials.leather.model import Leather
 from surftex.recipe.model import Recipe
@@ -62,3 +66,19 @@ def test_a_picture_that_a_field_reads_counts_by_its_bytes(tmp_path):
     before = remembering.features_key(load_recipe(tmp_path / "r.toml"), surface)
     (tmp_path / "toe.png").write_bytes(png_bytes(np.ones((4, 4, 3), np.uint8)))
     assert remembering.features_key(load_recipe(tmp_path / "r.toml"), surface) != before
+
+
+def test_a_surface_that_several_bakes_want_is_unwrapped_once(monkeypatch):
+    """Jobs of a batch that begin together with the same mesh: one unwraps, the others wait for it."""
+    plain, done = unwrap.unwrap, []
+
+    def slow(*arguments, **options):
+        done.append(arguments)
+        time.sleep(0.5)
+        return plain(*arguments, **options)
+
+    monkeypatch.setattr(unwrap, "unwrap", slow)
+    with ThreadPoolExecutor(3) as pool:
+        found = list(pool.map(lambda seed: height(recipe(seed=seed), remember=True), range(3)))
+    assert len(done) == 1
+    np.testing.assert_array_equal(found[1], height(recipe(seed=1)))

@@ -1,6 +1,9 @@
 """The shelf of results: kept by content, whole or not there, bounded."""
 
 import os
+import subprocess
+import sys
+import threading
 
 import numpy as np
 import pytest
@@ -76,3 +79,63 @@ def test_a_folder_that_cannot_be_written_keeps_nothing_and_says_nothing(tmp_path
     assert shelf.kept("ab") is None
     assert shelf.held() == (0, 0)
     assert shelf.clear() == 0
+    with shelf.alone("ab"):
+        pass
+
+
+CROWD = """
+import sys
+import numpy as np
+from surftex.files import shelf
+
+for turn in range(40):
+    number = (7 * turn + int(sys.argv[1])) % 12
+    shelf.keep(f"{number:x}", {"a": np.full(2000, number, np.uint8)}, most_bytes=9000)
+    for other in range(12):
+        found = shelf.kept(f"{other:x}")
+        assert found is None or (len(found["a"]) == 2000 and (found["a"] == other).all())
+    if turn == 20 and sys.argv[1] == "0":
+        shelf.clear()
+"""
+
+
+def test_many_processes_share_a_shelf():
+    crowd = [
+        subprocess.Popen([sys.executable, "-c", CROWD, str(i)], stderr=subprocess.PIPE, text=True)
+        for i in range(3)
+    ]
+    for process in crowd:
+        _, said = process.communicate(timeout=120)
+        assert process.returncode == 0, said
+    shelf.keep("0", {"a": np.zeros(2000, np.uint8)}, most_bytes=9000)
+    assert 0 < shelf.held()[1] <= 9000
+    assert all(len(path.name) == 1 for path in shelf.folder().iterdir())
+
+
+def test_who_wants_the_same_waits_and_finds_it():
+    found = []
+
+    def second():
+        with shelf.alone("ab", waits.set):
+            found.append(shelf.kept("ab"))
+
+    waits = threading.Event()
+    other = threading.Thread(target=second)
+    with shelf.alone("ab"):
+        other.start()
+        assert waits.wait(30)
+        assert not found
+        shelf.keep("ab", arrays())
+    other.join(30)
+    assert found[0] is not None
+    assert [path.name for path in shelf.folder().iterdir()] == ["ab"]
+    with shelf.alone("cd"), shelf.alone("cd", patience_s=0.0):  # work that hangs elsewhere is not waited for
+        pass
+
+
+def test_who_waits_may_give_up():
+    def give_up():
+        raise InterruptedError
+
+    with shelf.alone("ab"), pytest.raises(InterruptedError), shelf.alone("ab", give_up):
+        pytest.fail("both are at it")
