@@ -10,9 +10,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surftex.arrays import checked, frozen
+from surftex.arrays import checked, checked_number, checked_whole, frozen
 from surftex.errors import InputError
-from surftex.optics.paths import SURFACE, volume_paths
+from surftex.optics.paths import MOST_PATHS, SURFACE, volume_paths
+from surftex.optics.spectra import LONGEST_NM, SHORTEST_NM
 from surftex.optics.tissue import PARAMETERS, Tissue, absorption
 
 FREE = ("pheomelanin", "melanin", "blood", "oxygenation")
@@ -97,7 +98,8 @@ def fit_reflectance(
     Raises
     ------
     InputError
-        If the two do not fit each other, or there are fewer wavelengths than parameters.
+        If the two do not fit each other, there are fewer wavelengths than parameters, or one leaves the tables; and for
+        an argument out of its range.
     """
     from scipy.optimize import least_squares
 
@@ -107,6 +109,15 @@ def fit_reflectance(
         raise InputError(
             f"reflectance holds {len(measured)} values at {len(nm)} wavelengths; it takes 8 or more"
         )
+    beyond = (nm < SHORTEST_NM) | (nm > LONGEST_NM)
+    if beyond.any():
+        raise InputError(
+            f"nm holds {beyond.sum()} wavelengths beyond the tables; the first is {nm[beyond][0]:g}; they go from "
+            f"{SHORTEST_NM:g} to {LONGEST_NM:g}"
+        )
+    paths, seed = checked_whole(paths, "paths", 1, MOST_PATHS), checked_whole(seed, "seed", -np.inf)
+    if base_albedo is not None:
+        base_albedo = checked_number(base_albedo, "base_albedo", 0, 1)
     lengths, weight, bounces, surface = _walked(tuple(nm.tolist()), paths, seed)
     usual, tissue = {name: each.usual for name, each in PARAMETERS.items()}, Tissue()
     ranges = [(PARAMETERS[name].low, PARAMETERS[name].high) for name in FREE]

@@ -84,6 +84,6 @@ def skin_type(name: str) -> dict[str, float]:
     True
     """
     types = skin_types()
-    if name not in types:
+    if not isinstance(name, str) or name not in types:
         raise InputError(f"there is no skin type {name!r}; known are {', '.join(types)}")
     return types[name].biology

@@ -81,6 +81,27 @@ def test_an_unknown_type_lists_the_known():
         skin_type("pink")
     with pytest.raises(InputError, match="8 or more"):
         fit_reflectance([400.0, 500.0], [0.1, 0.2])
+    with pytest.raises(InputError, match="no skin type"):
+        skin_type(["dark"])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"base_albedo": "white"}, "base_albedo is 'white'; it takes one number"),
+        ({"base_albedo": 3}, "base_albedo is 3; it goes from 0 to 1"),
+        ({"paths": 0}, "paths is 0; it goes from 1"),
+        (
+            {"nm": np.linspace(300, 700, 9)},
+            "nm holds 2 wavelengths beyond the tables; the first is 300; they go from 380",
+        ),
+        ({"nm": None}, "nm has 0 axes"),
+    ],
+)
+def test_a_wrong_fit_is_refused(wrong, message):
+    given = {"nm": np.linspace(400, 700, 9), "reflectance": np.full(9, 0.3)} | wrong
+    with pytest.raises(InputError, match=message):
+        fit_reflectance(**given)
 
 
 def test_the_table_of_the_package_is_what_its_code_makes():
