@@ -280,9 +280,13 @@ def _joined(
             column[column >= shared] += total - shared
         total += inner
     meeting, meeting_id = (np.concatenate([part[i] for part in parts]) for i in (2, 3))
-    piece, piece_id = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
-    parts.clear()
-    count = len(piece)
+    count = sum(len(part[0]) for part in parts)
+    piece, piece_id = np.zeros((count, 4)), np.zeros((count, 5), np.int32)
+    filled = count
+    while parts:  # a part goes as soon as it is copied, so that the pieces are never held twice
+        places, ids, *_ = parts.pop()
+        piece[filled - len(ids) : filled], piece_id[filled - len(ids) : filled] = places, ids
+        filled -= len(ids)
     vertex = np.full(total, -1, np.int32)
     vertex[meeting_id[:, 1]] = np.arange(len(meeting))
     order, curve = np.zeros(count, np.int32), np.zeros(count, np.int32)

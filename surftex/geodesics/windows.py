@@ -180,7 +180,7 @@ def nearest(
 
 
 def within(
-    records: Records, points: SurfacePoints, *, threads: int | None = None
+    records: Records, points: SurfacePoints, *, vectors: bool = True, threads: int | None = None
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
     """Ask for all sources that have each point within their radius.
 
@@ -190,6 +190,8 @@ def within(
         From `flood_points`, without `bound_mm`.
     points : SurfacePoints
         n points.
+    vectors : bool
+        Whether tangent vectors are wanted.
     threads : int, optional
         None means every core; the result does not depend on it.
 
@@ -202,7 +204,7 @@ def within(
     distance_mm : (e,) float64
         Not above the source's radius.
     vector_mm : (e, 2) float64
-        The log map of the point at the source, in the frame of the source's face.
+        The log map of the point at the source, in the frame of the source's face; empty, (0, 2), without `vectors`.
     """
     from surftex.kernels.gather import log_map, sources_within
 
@@ -226,8 +228,11 @@ def within(
 
     slices(work, count, size=POINTS_A_SLICE, threads=threads)
     used = source >= 0
-    owner = np.repeat(np.arange(count), np.diff(room))[used]
+    start = np.concatenate([[0], np.cumsum(used)])[room]
     source, distance, found = source[used], distance[used], found[used]
+    if not vectors:
+        return start, source, distance, np.zeros((0, 2))
+    owner = np.repeat(np.arange(count), np.diff(start))
     vector = np.zeros((len(source), 1, 2))
     face, barycentric = points.face[owner].astype(np.int32), points.barycentric[owner]
     log_map(
@@ -242,7 +247,6 @@ def within(
         found[:, None],
         vector,
     )
-    start = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=count))]).astype(np.int64)
     return start, source, distance, vector[:, 0]
 
 

@@ -8,22 +8,16 @@ from surftex.kernels.buckets import bucket_of
 from surftex.kernels.exponential import exponential
 from surftex.kernels.gather import nearest_few, room_left
 from surftex.kernels.jit import kernel, part
+from surftex.kernels.pairs import place_in_row
 from surftex.kernels.random import uniform
 
 
 @part
 def between_sites(start, other, length, place, first, second):
     """Distance between two sites from rows of neighbours (`other` ascends in each); straight where they have none."""
-    low, last = start[first], start[first + 1]
-    high = last
-    while low < high:
-        middle = (low + high) // 2
-        if other[middle] < second:
-            low = middle + 1
-        else:
-            high = middle
-    if low < last and other[low] == second:
-        return length[low]
+    at = place_in_row(start, other, first, second)
+    if at >= 0:
+        return length[at]
     return math.sqrt(
         (place[first, 0] - place[second, 0]) ** 2
         + (place[first, 1] - place[second, 1]) ** 2

@@ -12,10 +12,11 @@ from surftex.features.uniform import area_points
 from surftex.kernels.exponential import exponential
 from surftex.kernels.jit import kernel
 from surftex.kernels.plates import plates
+from surftex.materials.leather.cells import _both_ways
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
 from surftex.surface.shapes import sphere
-from tests.oracles.leather import plate
+from tests.oracles.leather import pairs_both_ways, plate
 
 SITES = 140
 
@@ -144,3 +145,17 @@ def test_exponential_is_that_of_the_library():
     exponentials(x, result)
     np.testing.assert_allclose(result, np.exp(np.clip(x, -86, 86)), rtol=2e-12)
     assert result[20_001] == 1.0
+
+
+def test_pairs_of_neighbours_are_the_same_from_both_ends():
+    random = np.random.default_rng(5)
+    count = 40
+    rows = [random.permutation(count)[: random.integers(0, 12)].astype(np.int32) for _ in range(count)]
+    start = np.cumsum([0, *map(len, rows)])
+    other, length = np.concatenate(rows), random.random(start[-1])
+    expected = pairs_both_ways(start, other, length)
+    begin, found, apart = _both_ways(start, other.copy(), length.copy())
+    for i, row in enumerate(expected):
+        assert found[begin[i] : begin[i + 1]].tolist() == [who for who, _ in row]
+        assert apart[begin[i] : begin[i + 1]].tolist() == [far for _, far in row]
+    assert _both_ways(np.zeros(1, np.int64), np.zeros(0, np.int32), np.zeros(0))[0].tolist() == [0]

@@ -33,3 +33,17 @@ def plate(site, distance, between, shift, wave, exponent, rounding, key, blend):
         total += weight
         weighted += weight * Stream(key).at(np.array([low * 2**32 + high]))[0]
     return own, min(ratio, 1), max(border, 0), distance[slot], weighted / total
+
+
+def pairs_both_ways(start, other, length):
+    """Neighbours of each site, ascending, and the mean of the lengths that either end of a pair knows."""
+    known = {}
+    for i in range(len(start) - 1):
+        for at in range(start[i], start[i + 1]):
+            if other[at] != i:
+                known.setdefault((min(i, other[at]), max(i, other[at])), []).append(length[at])
+    rows = [[] for _ in range(len(start) - 1)]
+    for (low, high), lengths in known.items():
+        rows[low].append((high, np.mean(lengths)))
+        rows[high].append((low, np.mean(lengths)))
+    return [sorted(row) for row in rows]

@@ -119,11 +119,12 @@ class Cells:
         sites = records.sources
         stretch = major / minor
         angle = table["angle_rad"].astype(np.float64)
-        start, other, apart, vector = within(records, sites, threads=threads)
-        here = np.repeat(np.arange(len(sites)), np.diff(start))
+        start, other, apart, vector = within(
+            records, sites, vectors=leather.cell_shape != "round", threads=threads
+        )
         if leather.cell_shape != "round":
             apart = _length(leather.cell_shape, vector, other, stretch, angle)
-        start, other, apart = _both_ways(len(sites), here, other, apart)
+        start, other, apart = _both_ways(start, other, apart)
         index = np.repeat(np.arange(len(sites)), np.diff(start))
         inscribed = np.full(len(sites), np.inf)
         np.minimum.at(inscribed, index, apart / 2)
@@ -288,19 +289,18 @@ def shape_length(shape: str, sites: Sites) -> Callable[[NDArray, NDArray, NDArra
 
 
 def _both_ways(
-    count: int, here: NDArray, other: NDArray, apart: NDArray
+    start: NDArray[np.int64], other: NDArray[np.int32], apart: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]]:
-    """Rows of neighbours for each site, the mean of both directions, without the site itself."""
-    real = (other >= 0) & (other != here)
-    low, high = np.minimum(here, other)[real].astype(np.int64), np.maximum(here, other)[real].astype(np.int64)
-    pair, index = np.unique(low * count + high, return_inverse=True)
-    mean = np.bincount(index, apart[real]) / np.maximum(np.bincount(index), 1) if len(pair) else np.zeros(0)
-    low, high = pair // max(count, 1), pair % max(count, 1)
-    first, second, length = (
-        np.concatenate([low, high]),
-        np.concatenate([high, low]),
-        np.concatenate([mean, mean]),
-    )
-    order = np.lexsort((second, first))
-    start = np.searchsorted(first[order], np.arange(count + 1)).astype(np.int64)
-    return start, second[order].astype(np.int32), length[order]
+    """Rows of neighbours for each site, ascending, the mean of both directions, without the site itself."""
+    from surftex.kernels.pairs import both_ways, sort_rows
+
+    sort_rows(start, other, apart)
+    place = np.zeros(len(start), np.int64)
+    none, nothing = np.zeros(0, np.int32), np.zeros(0)
+    both_ways(start, other, apart, 0, place, none, nothing)
+    place = np.cumsum(place)
+    begin = place.copy()
+    second, length = np.zeros(int(place[-1]), np.int32), np.zeros(int(place[-1]))
+    both_ways(start, other, apart, 1, place, second, length)
+    sort_rows(begin, second, length)
+    return begin, second, length

@@ -23,6 +23,9 @@ from surftex.randomness import Stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
+_AT_ONCE = 1 << 15
+"""Furrows whose directions are looked up at a time."""
+
 Option = tuple[int, int, list[Piece], float]
 """A furrow, the end it is walked from, its pieces, and the angle to the stress."""
 
@@ -111,15 +114,11 @@ class _Furrows:
         last = np.append(first[1:], len(pieces)) - 1
         number = pieces.curve[first].astype(np.int64)
         ahead, back = pieces.end[first] - pieces.start[first], pieces.start[last] - pieces.end[last]
-        start = _places(surface, pieces.face[first], pieces.start[first])
-        end = _places(surface, pieces.face[last], pieces.end[last])
-        leaving = np.stack(
-            [
-                np.arctan2(ahead[:, 1], ahead[:, 0]) - stress.at(start),
-                np.arctan2(back[:, 1], back[:, 0]) - stress.at(end),
-            ],
-            axis=1,
-        )
+        leaving = np.stack([np.arctan2(ahead[:, 1], ahead[:, 0]), np.arctan2(back[:, 1], back[:, 0])], axis=1)
+        for low in range(0, len(first), _AT_ONCE):
+            rows = slice(low, low + _AT_ONCE)
+            for side, row, flat in ((0, first[rows], pieces.start), (1, last[rows], pieces.end)):
+                leaving[rows, side] -= stress.at(_places(surface, pieces.face[row], flat[row]))
         vertex = graph.edge_vertex[number].ravel()
         vertex_end = np.argsort(vertex, kind="stable")
         low, high = np.sort(graph.edge_region[number].astype(np.int64), axis=1).T
