@@ -4,9 +4,9 @@ Real grain has cells with three and four sides, and those are the faces of the m
 their Voronoi regions. Triangles are known by the lengths of their sides, so plane and surface share everything.
 
 Where many thin triangles meet at one particle they would make a star. Three things together cure that, in this order:
-particles that lie too close under others are left out (`kept_apart`); thin triangles, and those around a particle with
-eight or more of them, are paired first, across their common spoke; and wherever seven cells or more, or four lone
-triangles, still meet, pairing goes on past its share.
+particles that lie too close under others are left out (`kept_apart`); thin triangles are paired first, needles nearly
+whatever the angles; and where sharp corners, seven cells or four lone triangles still meet, pairs are broken and tied anew
+until no exchange makes it better (`surftex.kernels.star_knots`), past the share if need be.
 """
 
 from dataclasses import dataclass
@@ -19,16 +19,13 @@ from surftex.arrays import frozen
 THIN_RAD = np.radians(30.0)
 """Triangles with a smaller angle are paired first."""
 
-CROWDED = 8
-"""Triangles around a particle from which on it is the middle of a star."""
-
-STAR = 4
-"""So many lone triangles around a particle look like a star; two of them are paired beyond the share."""
+NEEDLE_RAD = np.radians(20.0)
+"""Triangles with a smaller angle may make cells that are nearly triangles."""
 
 TOO_CLOSE = 0.55
 """Particles nearer than this share of the sum of their radii overlap too much to make a cell between them."""
 
-_LAST_RESORT_RAD = np.radians(62.0)
+_LAST_RESORT_RAD, _NEEDLE_RESORT_RAD = np.radians(62.0), np.radians(86.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +116,7 @@ def paired(triangles: Triangles, *, share: float, most_rad: float) -> NDArray[np
     triangles : Triangles
         t triangles.
     share : float
-        Of the triangles to use up, 0 to 1; those in stars are used beyond it.
+        Of the triangles to use up, 0 to 1; around stars it may be more.
     most_rad : float
         Largest deviation of a quadrilateral's angles from a right angle.
 
@@ -128,31 +125,25 @@ def paired(triangles: Triangles, *, share: float, most_rad: float) -> NDArray[np
     cells : (c, 4) int64
         Particles, counter-clockwise; the fourth is -1 in triangles.
     """
+    from surftex.kernels.star_knots import untie_stars
     from surftex.kernels.triangulation import pair_triangles
 
-    count = len(triangles)
+    count, angle = len(triangles), triangles.angle
+    worst = _deviation(triangles, angle)
+    least = angle.min(axis=1)
+    across = np.where(triangles.twin >= 0, triangles.twin // 3, 0)
+    needle = np.minimum(least[:, None], least[across]) < NEEDLE_RAD
+    limit = np.where(needle, _NEEDLE_RESORT_RAD, _LAST_RESORT_RAD)
     side = np.flatnonzero(triangles.twin.ravel() > np.arange(3 * count))
-    t, i = side // 3, side % 3
-    g = triangles.twin[t, i]
-    u, j = g // 3, g % 3
-    angle = triangles.angle
-    around = np.stack(
-        [
-            angle[t, i] + angle[u, (j + 1) % 3], angle[t, (i + 1) % 3] + angle[u, j], angle[t, (i + 2) % 3],
-            angle[u, (j + 2) % 3],
-        ]
-    )  # fmt: skip
-    worst = np.abs(around - np.pi / 2).max(axis=0)
-    worst[(t == u) | (triangles.corner[t, (i + 2) % 3] == triangles.corner[u, (j + 2) % 3])] = np.inf
-    thin = angle.min(axis=1) < THIN_RAD
-    order = np.argsort(worst, kind="stable")
+    side = side[np.argsort(worst.ravel()[side], kind="stable")]
     mate = np.full(count, -1, np.int64)
-    particles = int(triangles.corner.max(initial=-1)) + 1
-    meeting = np.bincount(triangles.corner.ravel(), minlength=particles)
     pair_triangles(
-        triangles.corner, triangles.twin, side[order], worst[order], thin, share * count, most_rad, _LAST_RESORT_RAD,
-        CROWDED, STAR, meeting, meeting.copy(), mate,
+        triangles.twin, side, worst.ravel()[side], limit.ravel()[side], least < THIN_RAD, share * count, most_rad, mate
     )  # fmt: skip
+    particles = int(triangles.corner.max(initial=-1)) + 1
+    start = np.append(0, np.cumsum(np.bincount(triangles.corner.ravel(), minlength=particles)))
+    spoke = np.argsort(triangles.corner.ravel(), kind="stable")
+    untie_stars(triangles.corner, triangles.twin, angle, worst, limit, mate, start, spoke)
     alone = np.flatnonzero(mate < 0)
     first = np.flatnonzero(mate >= 0)
     first = first[mate[first] // 3 > first]
@@ -167,6 +158,23 @@ def paired(triangles: Triangles, *, share: float, most_rad: float) -> NDArray[np
     )  # fmt: skip
     lone = np.concatenate([triangles.corner[alone], np.full((len(alone), 1), -1, np.int64)], axis=1)
     return np.concatenate([quads, lone])
+
+
+def _deviation(triangles: Triangles, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(t, 3) largest deviation from right angles of the quadrilateral across each side; inf where there is none."""
+    t, i = np.divmod(np.arange(3 * len(triangles)), 3)
+    twin = triangles.twin.ravel()
+    u, j = np.divmod(np.maximum(twin, 0), 3)
+    around = np.stack(
+        [
+            angle[t, i] + angle[u, (j + 1) % 3], angle[t, (i + 1) % 3] + angle[u, j], angle[t, (i + 2) % 3],
+            angle[u, (j + 2) % 3],
+        ]
+    )  # fmt: skip
+    worst = np.abs(around - np.pi / 2).max(axis=0)
+    same = triangles.corner[t, (i + 2) % 3] == triangles.corner[u, (j + 2) % 3]
+    worst[(twin < 0) | (t == u) | same] = np.inf
+    return worst.reshape(-1, 3)
 
 
 def kept_apart(

@@ -91,34 +91,22 @@ def flip_to_delaunay(corner, twin, length, queue, waiting):
 
 
 @kernel
-def pair_triangles(
-    corner, twin, side, worst, thin, wanted, most, last_resort, crowded, star, meeting, lone, mate
-):  # fmt: skip
-    """Pair triangles over sides in ascending order of their deviation `worst`.
+def pair_triangles(twin, side, worst, limit, thin, wanted, most, mate):
+    """Pair triangles over sides in ascending order of their deviation: thin ones first, then until enough are used.
 
-    side (s,) int64, worst (s,); thin (t,) bool; meeting, lone (p,) int64: cells, and triangles that are none's mate,
-    around each particle, kept up to date -> mate (t,) int64: given as -1; 3 other + the other's side.
+    side (s,) int64, worst (s,): their deviations from right angles, limit (s,): what is allowed to thin (t,) bool triangles,
+    most to others -> mate (t,) int64: given as -1; 3 other + the other's side.
     """
     used = 0
-    for stage in range(3):
+    for stage in range(2):
         for k in range(len(side)):
-            if worst[k] > (most if stage == 1 else last_resort) or (stage == 1 and used >= wanted):
+            if stage == 1 and (worst[k] > most or used >= wanted):
                 break
             t, i = side[k] // 3, side[k] % 3
             u, j = twin[t, i] // 3, twin[t, i] % 3
             if mate[t] >= 0 or mate[u] >= 0:
                 continue
-            a, b = corner[t, i], corner[t, (i + 1) % 3]
-            most_meeting = max(meeting[a], meeting[b])
-            if stage == 0 and not (thin[t] or thin[u] or most_meeting >= crowded):
-                continue
-            if stage == 2 and most_meeting < crowded - 1 and max(lone[a], lone[b]) < star:
+            if stage == 0 and (worst[k] > limit[k] or not (thin[t] or thin[u])):
                 continue
             mate[t], mate[u] = 3 * u + j, 3 * t + i
-            meeting[a] -= 1
-            meeting[b] -= 1
-            lone[a] -= 2
-            lone[b] -= 2
-            lone[corner[t, (i + 2) % 3]] -= 1
-            lone[corner[u, (j + 2) % 3]] -= 1
             used += 2

@@ -72,6 +72,20 @@ def test_narrow_cells_rise_less_than_broad_ones(tile):
     assert np.median(height[narrow]) < 0.7 * np.median(height[broad])
 
 
+def test_grooves_have_no_step_where_two_cells_meet():
+    from surftex.materials.cells.relief import Place, layers
+
+    level = np.linspace(0, 1, 7, dtype=np.float32)
+    none, ones = np.zeros(7, np.float32), np.ones(7, np.float32)
+    place = Place(
+        np.arange(7, dtype=np.int32), 1.2 * ones, -0.1 * ones, none, 2 * ones, level[::-1], np.float32(0.6), level, level,
+        None, 0.3 * ones, none, none,
+    )  # fmt: skip
+    height = layers(Cells.preset("milled"), place, none)["height_mm"]
+    assert height.min() > 0
+    assert np.ptp(height) < 1e-7
+
+
 def test_a_page_is_the_tile_and_threads_change_no_byte(tile):
     one, two = tile.page(64, threads=1), tile.page(64, threads=2)
     assert one["height_mm"].shape == (64, 64)

@@ -131,7 +131,8 @@ def layers(cells: Cells, place: Place, footprint_mm: Float) -> Layers:
     floor = cells.shallows * smoothstep(-0.5, 0.7, place.shallow)
     own = place.mean_rise + (place.rise - place.mean_rise) * coarse
     own = own * (1 + cells.relief_variation * (2 * place.level - 1) * coarse)
-    height = rise * (own * (floor + (1 - floor) * side) + cells.dome * own * crest)
+    # the floor is that of all cells, so that neighbours meet on it without a step
+    height = rise * (floor * place.mean_rise + own * ((1 - floor) * side + cells.dome * crest))
     fade = np.clip((1 - place.rho) / np.float32(cells.taper), 0, 1)
     blobs = place.swelling_mm * fade * visible(2 * cells.blob_size * scale, footprint_mm)
     height = height + cells.blob_height * rise * own * blobs
