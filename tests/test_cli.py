@@ -144,6 +144,10 @@ MISTAKES = [
     (["bake"], "the following arguments are required: MESH|RECIPE.toml; see surftex bake --help"),
     (["bakee"], "unknown command 'bakee'; did you mean bake?"),
     (["bake", "ball.obj"], "a mesh needs a material"),
+    (
+        ["preview", "ball.obj", "--web", "--port", "65536"],
+        "--port 65536: a port is 0, for any that is free, to 65535",
+    ),
     (["bake", "ball.obj", "--material", "claf"], "there is no preset 'claf'; did you mean calf?"),
     (["bake", "ball.obj", "--material", "none.toml"], "the recipe 'none.toml' does not exist"),
     (["bake", "none.obj", "--material", "calf"], "none.obj"),

@@ -31,6 +31,8 @@ def run(options: Namespace) -> None:
         from surftex.preview.pictures import check_picture
 
         check_picture(options.picture)
+    if not 0 <= options.port <= 65535:
+        raise RecipeError(f"--port {options.port}: a port is 0, for any that is free, to 65535")
     recipe, name = make_recipe(options)
     save_as = Path(options.out or f"{Path(recipe.mesh.path or 'mesh').stem}-{name}.toml")
     if options.web:
@@ -51,7 +53,10 @@ def run(options: Namespace) -> None:
                 if not options.quiet:
                     note("open this address in a browser; whoever has it can use it; Ctrl-C ends")
 
-            serve(desk, host=options.host, port=options.port, save_as=save_as, ready=told)
+            try:
+                serve(desk, host=options.host, port=options.port, save_as=save_as, ready=told)
+            except KeyboardInterrupt:
+                raise KeyboardInterrupt("the page is closed") from None
         else:
             _window(desk, options, save_as)
     finally:

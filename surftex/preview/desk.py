@@ -65,7 +65,7 @@ class Desk:
         self.version = 0
         self.changed = set[str]()
         self.frame: Frame | None = None
-        self.message = "placing features"
+        self.message, self._refused = "placing features", False
         self.layer, self.group = 0, ""
         self.tool: Tool = "turn"
         self.overlays = set[str]()
@@ -115,6 +115,7 @@ class Desk:
         **options : Any
             Of the command.
         """
+        self._refused = False
         try:
             result = getattr(self.session, name)(*arguments, **options)
             if name in ("undo", "redo"):
@@ -124,7 +125,10 @@ class Desk:
                 self._tell()
                 return
         except SurftexError as problem:
-            self.message = str(problem)
+            self.message, self._refused = (
+                str(problem),
+                True,
+            )  # work at hand goes on, and must not talk over it
             self._tell()
             return
         self.layer = min(self.layer, len(self.session.recipe.layer) - 1)
@@ -144,6 +148,7 @@ class Desk:
         InputError
             If there is none of that name.
         """
+        self._refused = False
         for key, value in choices.items():
             known: Any = {
                 "layer": range(len(self.session.recipe.layer)), "group": self.groups, "tool": TOOLS, "light": STUDIOS,
@@ -237,11 +242,9 @@ class Desk:
         with self.lock:
             self.frame = frame
             self.changed |= frame.changed
-            if frame.first_look:
-                self.message = "a first look; the rest follows"
-            else:
-                counts = ", ".join(f"{count:,} {kind}" for kind, count in frame.features.items() if count)
-                self.message = counts or "ready"
+            counts = ", ".join(f"{count:,} {kind}" for kind, count in frame.features.items() if count)
+            if not self._refused:
+                self.message = "a first look; the rest follows" if frame.first_look else counts or "ready"
         if self.tool == "section" and len(self.points) == 2 and not frame.first_look:
             self._cut()
         self._tell()

@@ -35,6 +35,8 @@ raise SystemExit(0 if window.SupportsOpenGL() else 1)
 """
 
 _FILLED = 0.9
+_REACH = (0.02, 20.0)
+"""Least and greatest distance of the camera from what it is aimed at, in diagonals of the surface."""
 """Share of the view that the whole fills at first."""
 
 
@@ -64,6 +66,7 @@ class Scene:
         self._textures: dict[str, Any] = {}
         self._extra: dict[str, Any] = {}
         self._light = ""
+        self._aimed = False
         self.actor = self._surface()
         self.plotter.set_background(BEHIND[0], top=BEHIND[1])
         self.reset_camera()
@@ -75,6 +78,7 @@ class Scene:
 
     def reset_camera(self) -> None:
         """Look at the whole from the front, half left and above, as near as it fits."""
+        self._aimed = False
         self.plotter.camera_position = "xy"
         self.plotter.reset_camera()
         camera = self.plotter.camera
@@ -131,6 +135,7 @@ class Scene:
             Shift what is seen, and do not turn it.
         """
         camera = self.plotter.camera
+        self._aimed = False
         if shift:
             x, y, z = (
                 np.array(each) for each in (camera.GetPosition(), camera.GetFocalPoint(), camera.GetViewUp())
@@ -151,7 +156,9 @@ class Scene:
         self.plotter.reset_camera_clipping_range()
 
     def zoom(self, wheel: float) -> None:
-        """Come nearer, or go away.
+        """Come nearer to the surface in the middle of the view, never through it, or go away.
+
+        From then on the camera turns about that place.
 
         Parameters
         ----------
@@ -159,7 +166,21 @@ class Scene:
             Below 0 comes nearer; 100 is a notch.
         """
         camera = self.plotter.camera
-        camera.Dolly(float(np.exp(-np.clip(wheel, -400, 400) / 900)))
+        start, aim = np.array(camera.GetPosition()), np.array(camera.GetFocalPoint())
+        seen = None if self._aimed else self.place(self.size[0] / 2, self.size[1] / 2)
+        self._aimed = True
+        if seen is not None:
+            aim = start + (aim - start) * (
+                (seen.positions(self.desk.surface)[0] - start)
+                @ (aim - start)
+                / ((aim - start) @ (aim - start))
+            )
+            camera.SetFocalPoint(*aim)
+        away = float(np.linalg.norm(start - aim))
+        size = float(np.linalg.norm(np.ptp(self.desk.surface.vertices, axis=0)))
+        wanted = away * np.exp(np.clip(wheel, -400, 400) / 900)
+        wanted = np.clip(wanted, _REACH[0] * size, _REACH[1] * size)
+        camera.Dolly(float(away / wanted))
         self.plotter.reset_camera_clipping_range()
 
     def refresh(self) -> bool:

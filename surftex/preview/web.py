@@ -8,6 +8,7 @@ import asyncio
 import base64
 import contextlib
 import hmac
+import math
 import os
 import secrets
 import time
@@ -17,15 +18,18 @@ from typing import Any
 
 import numpy as np
 
-from surftex.errors import WorkError
+from surftex.errors import InputError, WorkError
 from surftex.files.images import jpeg_bytes
 from surftex.preview.controls import Control
 from surftex.preview.desk import OVERLAYS, TOOLS, Desk
 from surftex.preview.scene import Scene
 from surftex.preview.studio import STUDIOS
 
-_COOKIE = "surftex"
+_COMMANDS = ("preset", "redo", "seed", "toggle", "undo")
+"""What the page may ask of the session beside `set` and `save`, which are told nothing but values."""
+
 _SIZE = (960, 760)
+_SHOWN = "[$event.target.clientWidth, $event.target.clientHeight]"
 _PROMPT_S, _REST_S = 0.1, 0.25
 """Drawing that takes longer is done small at first; and how long nothing must change before it is done in full."""
 
@@ -106,6 +110,7 @@ class Page:
         self._waiting, self._camera_moved, self._full_s = False, True, 0.0
         self._rest: Any = None
         self.server.state.trame__title = f"surftex {desk.surface.name}"
+        self.server.state.name = desk.surface.name
         self.server.state.picture = ""
         self._sync()
         self._build()
@@ -137,7 +142,7 @@ class Page:
         try:
             await self.server.start(
                 host=host, port=port, exec_mode="coroutine", open_browser=False, show_connection_info=False,
-                timeout=0, disable_logging=True,
+                timeout=0, disable_logging=True, backend="aiohttp", thread=True,  # which leaves Ctrl-C to the command
             )  # fmt: skip
         finally:
             with contextlib.suppress(ValueError):
@@ -236,7 +241,9 @@ class Page:
     def _set(self, key: str, part: int, value: Any) -> None:
         """Take a value from the page."""
         desk = self.desk
-        control = next(each for each in desk.session.controls(desk.layer) if each.key == key)
+        control = next((each for each in desk.session.controls(desk.layer) if each.key == key), None)
+        if control is None:  # another page has chosen another layer meanwhile
+            return
         if control.kind == "range":
             both = [*desk.session.value(key, desk.layer)]
             both[part] = float(value)
@@ -249,11 +256,26 @@ class Page:
             value = value or None
         desk.do("set", key, value, desk.layer)
 
-    def _pressed(self, x: float, y: float) -> None:
-        """Take a click on the picture, in pixels from its upper left corner."""
-        if self.desk.tool == "turn":
+    def _do(self, name: str, *arguments: Any) -> None:
+        """Take a command from the page."""
+        if name in _COMMANDS:
+            self.desk.do(name, *arguments)
+
+    def _choose(self, key: str, value: Any) -> None:
+        """Take a choice, unless another page has taken away meanwhile what was chosen."""
+        with contextlib.suppress(InputError):
+            self.desk.choose(**{key: value})
+
+    def _pressed(self, x: float, y: float, width: float, height: float) -> None:
+        """Take a click, in pixels from the upper left corner of what holds the picture: as large as fits, in its middle."""
+        if self.desk.tool == "turn" or not (width > 0 and height > 0):
             return
-        point = self.scene.place(float(x), self.scene.size[1] - 1 - float(y))
+        wide, high = self.scene.size
+        scale = min(width / wide, height / high)
+        column, row = (x - width / 2) / scale + wide / 2, (y - height / 2) / scale + high / 2
+        if not (0 <= column < wide and 0 <= row < high):
+            return
+        point = self.scene.place(column, high - 1 - row)
         if point is not None:
             self.desk.click(point)
 
@@ -261,6 +283,8 @@ class Page:
         """Let a movement of the camera be followed by a picture."""
 
         def moved(*numbers: float) -> None:
+            if not all(math.isfinite(number) for number in numbers):
+                return  # a camera would not come back from there
             move(*numbers)
             self._camera_moved = True
             self._changed()
@@ -269,6 +293,8 @@ class Page:
 
     def _sized(self, width: float, height: float) -> None:
         """Draw as large as the page shows it."""
+        if not (width > 0 and height > 0):
+            return
         size = (int(np.clip(width, 64, 4096)), int(np.clip(height, 64, 4096)))
         if size != self.scene.size:
             self._moved(self.scene.resize)(*size)
@@ -281,8 +307,9 @@ class Page:
 
         desk, server = self.desk, self.server
         server.trigger("set")(self._set)
-        server.trigger("do")(desk.do)
-        server.trigger("choose")(lambda key, value: desk.choose(**{key: value}))
+        server.trigger("do")(self._do)
+        server.trigger("choose")(self._choose)
+        server.trigger("whole")(self._moved(self.scene.reset_camera))
         server.trigger("done")(desk.done)
         server.trigger("press")(self._pressed)
         server.trigger("size")(self._sized)
@@ -295,8 +322,11 @@ class Page:
             with html.Div(style="flex:1;position:relative;min-width:0"):
                 html.Img(
                     src=("picture",), id="view", draggable="false", style="width:100%;height:100%;object-fit:contain",
-                    __events=["load"], load="trigger('size', [$event.target.clientWidth, $event.target.clientHeight])",
-                    click="trigger('press', [$event.offsetX, $event.offsetY])",
+                    __events=["load"], load=(
+                        f"$event.target.dataset.size !== {_SHOWN}.join() && ($event.target.dataset.size = {_SHOWN}.join(), "
+                        f"trigger('size', {_SHOWN}))"
+                    ),
+                    click=f"trigger('press', [$event.offsetX, $event.offsetY, ...{_SHOWN}])",
                     mousemove=(
                         "($event.buttons === 1 || $event.buttons === 4) && trigger('turn', [$event.movementX, "
                         "$event.movementY, $event.shiftKey || $event.buttons === 4])"
@@ -305,15 +335,21 @@ class Page:
                 )  # fmt: skip
                 with html.Div(
                     v_if=("section",),
-                    style="position:absolute;left:16px;bottom:16px;background:#202022e0;padding:8px",
+                    style=(
+                        "position:absolute;left:16px;bottom:16px;max-width:calc(100% - 32px);background:#202022e0;"
+                        "padding:8px"
+                    ),
                 ):
                     html.Div("{{ message }}", style="font-size:12px")
                     html.Div(v_html=("section",))
             with html.Div(
                 style="width:372px;padding:12px;flex:none;display:flex;flex-direction:column", id="panel"
             ):
-                html.Div(f"{desk.surface.name}", style="font-size:18px;font-weight:600")
-                html.Div("{{ message }}", id="message", style="font-size:13px;opacity:.7;min-height:20px")
+                html.Div("{{ name }}", style="font-size:18px;font-weight:600")
+                html.Div(
+                    "{{ message }}", id="message", title=("message",),
+                    style="font-size:13px;opacity:.7;min-height:20px;max-height:80px;flex:none;overflow:auto;overflow-wrap:anywhere",
+                )  # fmt: skip
                 v.VProgressLinear(indeterminate=True, v_show=("busy",), height=2, color="#cc7338")
                 html.Div(v_show=("!busy",), style="height:2px")
                 with html.Div(style="display:flex;gap:6px;margin:8px 0;flex-wrap:wrap"):
@@ -322,6 +358,7 @@ class Page:
                             name, size="small", variant="tonal", click=f"trigger('do', ['{name}'])", id=name
                         )
                     v.VBtn("save", size="small", variant="tonal", click="trigger('save')", id="save")
+                    v.VBtn("whole", size="small", variant="tonal", click="trigger('whole')", id="whole")
                     v.VBtn(
                         "seed {{ seed }}", size="small", variant="tonal", id="seed",
                         click="trigger('do', ['seed', seed + 1])",
@@ -413,8 +450,8 @@ def _polyline(x: list[float], y: list[float]) -> str:
         f"{480 * a / far:.1f},{116 - 112 * (b - low) / span:.1f}" for a, b in zip(x, y, strict=True)
     )
     return (
-        f'<svg width="480" height="120"><polyline points="{places}" fill="none" stroke="#73adff" '
-        'stroke-width="1.5"/></svg>'
+        f'<svg viewBox="0 0 480 120" style="width:480px;max-width:100%"><polyline points="{places}" fill="none" '
+        'stroke="#73adff" stroke-width="1.5"/></svg>'
     )
 
 
@@ -430,11 +467,13 @@ def _guard(token: str) -> Any:
         given = request.query.get("token")
         origin = request.headers.get("Origin")
         foreign = origin is not None and origin.partition("://")[2] != request.host
-        if foreign or not (known(given) or known(request.cookies.get(_COOKIE))):
+        port = "".join(filter(str.isdecimal, request.host.rpartition(":")[2]))
+        own = f"surftex-{port}"  # cookies do not tell ports apart, and there may be several previews
+        if foreign or not (known(given) or known(request.cookies.get(own))):
             return web.Response(status=403, text="403: this address needs its token\n")
         if known(given):
             answer = web.HTTPFound("/index.html")
-            answer.set_cookie(_COOKIE, token, httponly=True, samesite="Strict", path="/")
+            answer.set_cookie(own, token, httponly=True, samesite="Strict", path="/")
             answer.headers["Referrer-Policy"] = "no-referrer"
             return answer
         return await handler(request)

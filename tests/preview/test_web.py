@@ -1,7 +1,10 @@
 """The page: nothing without the token, and a slider moved in a real browser changes the picture."""
 
 import asyncio
+import os
+import signal
 import statistics
+import subprocess
 import sys
 import time
 
@@ -12,6 +15,7 @@ from surftex.errors import WorkError
 from surftex.preview.desk import Desk
 from surftex.recipe.read import recipe_from_text
 from surftex.surface.shapes import sphere
+from surftex.surface.surface import Surface
 from tests.preview.browser import Browser, found
 
 pytest.importorskip("trame", reason="the page needs trame: pip install 'surftex[web]'")
@@ -27,20 +31,31 @@ wrinkle_density = 0.0
 """
 
 
-@pytest.fixture
-def page(tmp_path):
+def opened(folder):
+    """A page with its desk, which must be closed."""
     from surftex.preview.web import Page
 
     desk = Desk(recipe_from_text(RECIPE), sphere(6.0, subdivisions=3), resolution=256)
     assert desk.worker.wait()
     try:
-        made = Page(desk, tmp_path / "made.toml")
+        made = Page(desk, folder / "made.toml")
     except WorkError as problem:
         desk.close()
         pytest.skip(f"nothing to draw on: {problem}")
     yield made
     made.scene.close()
     desk.close()
+
+
+@pytest.fixture
+def page(tmp_path):
+    yield from opened(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def idle(tmp_path_factory):
+    """A page that nobody visits."""
+    yield from opened(tmp_path_factory.mktemp("idle"))
 
 
 def served(page, visit):
@@ -78,6 +93,8 @@ def test_without_the_token_there_is_nothing(page):
                 assert "<html" in (await answer.text()).lower()
             async with friend.get(root + "index.html", headers={"Origin": "http://else.where"}) as answer:
                 assert answer.status == 403
+            port = root.rstrip("/").rpartition(":")[2]  # another preview of this browser keeps its own
+            assert [cookie.key for cookie in friend.cookie_jar] == [f"surftex-{port}"]
 
     served(page, visit)
 
@@ -115,6 +132,17 @@ def test_a_slider_moved_in_a_browser_changes_the_picture(page, tmp_path, capsys)
             await browser.until("document.querySelector('#message').textContent.length > 0")
             await browser.press(*await browser.place("#save"))
             await browser.until("document.querySelector('#message').textContent.includes('saved')")
+            async with Browser(
+                tmp_path / "second", (700, 900)
+            ) as second:  # and neither resizes the picture of the other again and again
+                await second.open(address)
+                await second.until("document.querySelector('#view')?.naturalWidth > 0")
+                await asyncio.sleep(1.5)
+                await browser.ask(
+                    "window.seen = 0, document.querySelector('#view').onload = () => window.seen++"
+                )
+                await asyncio.sleep(1.5)
+                assert await browser.ask("window.seen") <= 1
             return taken, await browser.picture()
 
     taken, picture = served(page, visit)
@@ -125,6 +153,96 @@ def test_a_slider_moved_in_a_browser_changes_the_picture(page, tmp_path, capsys)
         )
     assert np.median(taken) < 5.0
     assert len(picture) > 10_000
+
+
+def test_a_click_is_found_where_the_picture_is(idle, monkeypatch):
+    """The page may hold the picture with borders at its sides, or above and below."""
+    wide, high = idle.scene.size
+    seen = []
+    monkeypatch.setattr(idle.scene, "place", lambda x, y: seen.append((x, y)))
+    idle.desk.tool = "spots"
+    idle._pressed(wide + 10, high, 2 * wide + 20, 2 * high)  # twice as large, 10 pixels more at either side
+    idle._pressed(wide / 4, 50 + high / 4, wide / 2, 100 + high / 2)
+    np.testing.assert_allclose(seen, [(wide / 2, high / 2 - 1)] * 2)
+    idle._pressed(5, high, 2 * wide + 20, 2 * high)
+    idle._pressed(5, 5, 0, 0)
+    assert len(seen) == 2
+
+
+def test_what_a_page_may_not_or_can_no_longer_ask_is_passed_over(idle, tmp_path):
+    desk = idle.desk
+    before = idle.scene.picture(), desk.session.recipe
+    idle._do("save", str(tmp_path / "elsewhere.toml"))
+    idle._do("close")
+    idle._set("crown_height_of_another_layer", -1, 1.0)
+    idle._choose("group", "of another layer")
+    idle._choose("__class__", "turn")
+    idle._moved(idle.scene.turn)(float("nan"), 1.0)
+    idle._moved(idle.scene.zoom)(float("nan"))
+    idle._sized(float("nan"), 1.0)
+    assert not (tmp_path / "elsewhere.toml").exists()
+    assert desk.session.recipe == before[1]
+    np.testing.assert_array_equal(idle.scene.picture(), before[0])
+
+
+def test_the_wheel_comes_near_but_never_through_and_there_is_a_way_back(idle):
+    scene, radius = idle.scene, 6.0
+    camera, before = scene.plotter.camera, idle.scene.picture()
+    for _ in range(100):
+        scene.zoom(-300)
+    away = np.linalg.norm(camera.GetPosition())
+    assert radius < away < 1.1 * radius
+    for _ in range(200):
+        scene.zoom(300)
+    assert away < np.linalg.norm(camera.GetPosition()) < 1000
+    scene.reset_camera()
+    np.testing.assert_array_equal(scene.picture(), before)
+
+
+def test_what_was_refused_stays_to_be_read_while_work_goes_on(idle):
+    desk = idle.desk
+    desk.do("set", "cell_size", 2.5, 0)
+    desk.do("set", "direction", "nosuch", 0)
+    assert desk.worker.wait()
+    assert "nosuch" in desk.message
+    desk.do("undo")
+    assert desk.worker.wait()
+    assert "nosuch" not in desk.message
+
+
+def test_the_name_of_a_mesh_is_shown_and_not_run(tmp_path):
+    from surftex.preview.web import Page
+
+    name = "<b>{{ 1 + 1 }}</b>"
+    ball = sphere(6.0, subdivisions=2)
+    desk = Desk(
+        recipe_from_text(RECIPE), Surface.from_arrays(ball.vertices, ball.faces, name=name), resolution=64
+    )
+    try:
+        made = Page(desk, tmp_path / "made.toml")
+    except WorkError as problem:
+        desk.close()
+        pytest.skip(f"nothing to draw on: {problem}")
+    assert name not in made.layout.html
+    assert made.server.state.name == name
+    made.scene.close()
+    desk.close()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="requests to end are told otherwise elsewhere")
+def test_the_page_ends_when_asked(meshes):
+    command = [sys.executable, "-m", "surftex", "preview", str(meshes / "torus.obj"), "--units", "mm", "--web",
+               "--resolution", "64"]  # fmt: skip
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    address = process.stdout.readline()
+    if not address:
+        pytest.skip(f"nothing to draw on: {process.communicate()[1]}")
+    assert address.startswith("http://127.0.0.1:")
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert said.splitlines()[-1] == "surftex: the page is closed"
 
 
 def test_without_trame_it_says_how_to_get_it(monkeypatch):
