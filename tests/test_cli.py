@@ -357,9 +357,21 @@ def test_the_cache_is_told_and_emptied(tmp_path):
     )
     script += "Noise(stream(1, 'a'), 1.0).at(np.zeros((1, 3)))"
     subprocess.run([sys.executable, "-c", script], env=kept, check=True, timeout=120)
-    assert list((tmp_path / "kernels").rglob("*.nbc"))
+    compiled = list((tmp_path / "kernels").rglob("*.nbc"))
+    assert compiled
+    other = tmp_path / "kernels" / f"kernels_{'0' * 40}" / compiled[0].name
+    own = [tmp_path / "results" / "thesis.txt", tmp_path / "kernels" / "warm-up.txt", other]
+    for path in own:
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("of somebody else")
     assert "files deleted" in surftex("cache", "--clear", env=kept).stdout
+    assert sorted(path for path in tmp_path.rglob("*") if path.is_file()) == sorted(own)
+    for path in own:
+        path.unlink()
+    other.parent.rmdir()
+    assert "kernels: 0 files deleted" in surftex("cache", "--clear", env=kept).stdout
     assert not (tmp_path / "kernels").exists()
+    assert not (tmp_path / "results").exists()
 
 
 HEAVY = [

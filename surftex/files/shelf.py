@@ -2,12 +2,14 @@
 
 The shelf is a convenience: a file that is damaged, or a folder that cannot be written, only means that the work is
 done again. Files appear by rename, so that many processes may share a shelf; the longest unused go when it is full.
-What several processes want at once is made by one of them (`alone`).
+What several processes want at once is made by one of them (`alone`). Files of other names in its folder are not ours:
+they are not counted, and never deleted.
 """
 
 import hashlib
 import io
 import os
+import re
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -26,6 +28,9 @@ MOST_BYTES = 2 * 2**30
 
 _DIGEST = 32
 _POLL_S = 0.05
+_OURS = re.compile(r"[0-9a-f]{64}(\.lock)?|draft-[a-z0-9_]{8}")
+"""Results, locks of those that are being made, and drafts of them."""
+
 _MOST_OF_ALL = 4
 """A result larger than the shelf over this is not kept."""
 
@@ -48,7 +53,7 @@ def kept(key: str) -> dict[str, NDArray[Any]] | None:
     Parameters
     ----------
     key : str
-        Of everything that decides it, in hexadecimal.
+        Of everything that decides it, 64 hexadecimal digits.
 
     Returns
     -------
@@ -80,7 +85,7 @@ def keep(key: str, arrays: Mapping[str, NDArray[Any]], *, most_bytes: int = MOST
     Parameters
     ----------
     key : str
-        Of everything that decides it, in hexadecimal.
+        Of everything that decides it, 64 hexadecimal digits.
     arrays : mapping of str to array
         The result.
     most_bytes : int
@@ -113,7 +118,7 @@ def alone(
     Parameters
     ----------
     key : str
-        Of the result, in hexadecimal.
+        Of the result, 64 hexadecimal digits.
     waiting : callable
         Called several times a second while another process is at it; may raise to give up.
     patience_s : float
@@ -160,7 +165,7 @@ def held() -> tuple[int, int]:
 
 
 def clear() -> int:
-    """Throw everything away.
+    """Throw every result away, and the folder where nothing else is in it.
 
     Returns
     -------
@@ -177,12 +182,12 @@ def clear() -> int:
 
 
 def _files() -> list[tuple[float, int, Path]]:
-    """When each file was last used, its size, its path; the longest unused first."""
+    """When each file of ours was last used, its size, its path; the longest unused first."""
     found = []
     with suppress(OSError):
         for entry in os.scandir(folder()):
             with suppress(OSError):
-                if entry.is_file(follow_symlinks=False):
+                if _OURS.fullmatch(entry.name) and entry.is_file(follow_symlinks=False):
                     status = entry.stat(follow_symlinks=False)
                     found.append((status.st_mtime, status.st_size, Path(entry.path)))
     return sorted(found)

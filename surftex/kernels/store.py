@@ -2,11 +2,14 @@
 
 import hashlib
 import os
-import shutil
+import re
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 import platformdirs
+
+_MARKER = re.compile(r"warm-[0-9a-f]{16}(-[a-z]+)?")
 
 
 def folder() -> Path:
@@ -18,7 +21,7 @@ def folder() -> Path:
         ``NUMBA_CACHE_DIR`` where that is set, else the user's cache folder.
     """
     given = os.environ.get("NUMBA_CACHE_DIR")
-    return Path(given) if given else Path(platformdirs.user_cache_dir("surftex")) / "kernels"
+    return Path(given) if given else _own_folder()
 
 
 def is_warm(work: str = "bake") -> bool:
@@ -55,22 +58,42 @@ def mark_warm(work: str = "bake") -> None:
 
 
 def clear() -> int:
-    """Delete the compiled kernels.
+    """Delete the compiled kernels; what other programs keep in the same folder stays.
 
     Returns
     -------
     count : int
         Files that were deleted.
     """
-    where = folder()
-    kept = [path for path in where.rglob("*") if path.is_file()] if where.is_dir() else []
-    ours = [path for path in kept if path.suffix in (".nbi", ".nbc") or path.name.startswith("warm-")]
-    if len(ours) == len(kept):
-        shutil.rmtree(where, ignore_errors=True)
-    else:
-        for path in ours:
-            path.unlink(missing_ok=True)
+    ours = [*_compiled(), *(path for path in _files(folder()) if _MARKER.fullmatch(path.name))]
+    for path in ours:
+        with suppress(OSError):
+            path.unlink()
+    for emptied in [*{path.parent for path in ours} - {folder()}, folder()]:
+        with suppress(OSError):
+            emptied.rmdir()
     return len(ours)
+
+
+def _compiled() -> list[Path]:
+    """Kernels on disk: numba keeps those of each folder of sources together, in one named by that folder's path."""
+    from numba.core.caching import UserProvidedCacheLocator
+
+    if folder() == _own_folder():  # those of installations that are gone as well
+        places = [path for path in folder().glob("*_*") if path.is_dir()]
+    else:
+        sources = Path(__file__).parent.parent.rglob("*.py")
+        named = UserProvidedCacheLocator.get_suitable_cache_subpath
+        places = [folder() / name for name in sorted({named(str(source)) for source in sources})]
+    return [path for place in places for path in _files(place) if path.suffix in (".nbi", ".nbc")]
+
+
+def _own_folder() -> Path:
+    return Path(platformdirs.user_cache_dir("surftex")) / "kernels"
+
+
+def _files(where: Path) -> list[Path]:
+    return [path for path in where.iterdir() if path.is_file()] if where.is_dir() else []
 
 
 def _marker(work: str) -> Path:
