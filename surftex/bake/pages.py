@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from surftex.maps.page import PageMetric
 
 TILE_TEXELS = 1 << 21
-"""Texels of a tile where none is asked for: half of a page of 2048 x 2048."""
+"""Most texels of a tile where none is asked for; half of them, in 512 rows or more, where it needs next to no margin."""
+
+_TILE_ROWS = 512
 
 _SLICE = 1 << 15
 _FROM_HEIGHT = ("normal", "ambient_occlusion")
@@ -181,8 +183,9 @@ def _bake_page(
         for name, image in images.items()
         if name not in (*_FROM_HEIGHT, "region")
     }
-    for first, last in _tiles(resolution, tile_rows):
-        margin = tools.margin_px(gutter) if last - first < resolution else 0
+    beyond = tools.margin_px(gutter)
+    for first, last in _tiles(resolution, tile_rows, beyond):
+        margin = beyond if last - first < resolution else 0
         rows = (max(0, first - margin), min(resolution, last + margin))
         tile = texels(surface, atlas, resolution, gutter_px=gutter, rows=rows, threads=threads)
         share = (
@@ -274,8 +277,10 @@ def _put(
     put_rows(read_only_view(texel, np.int64), rows[0] * width, rows[1] * width, value, table)
 
 
-def _tiles(resolution: int, rows: int | None) -> Iterator[tuple[int, int]]:
-    rows = max(1, TILE_TEXELS // resolution) if rows is None else rows
+def _tiles(resolution: int, rows: int | None, margin: int) -> Iterator[tuple[int, int]]:
+    if rows is None:
+        most = TILE_TEXELS // resolution
+        rows = max(1, most if margin > 1 else min(most, max(most // 2, _TILE_ROWS)))
     for first in range(0, resolution, rows):
         yield first, min(resolution, first + rows)
 
