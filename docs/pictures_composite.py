@@ -246,15 +246,16 @@ def sofa_mesh():
 def fabric():
     """Gingham on a cushion, on a sofa that we make, and on the cover of a real chair; its rows along an axis."""
     pictures = []
-    for surface, pixel, axis in (
-        (load(MESHES / "cushion.obj"), "1.6 mm", (1, 0, 0)),
-        (sofa_mesh(), "5 mm", (1, 0, 0)),
-        (load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet"), "2.6 mm", (1, 0, 0)),
-    ):
+    chair = load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet")
+    seat = chair.vertices[chair.vertices[:, 1] < chair.vertices[:, 1].mean()]
+    seat = tuple(seat.mean(axis=0) * [1, 0, 1] + [0, seat[:, 1].max(), 0])
+    for surface, pixel, target in (
+        (load(MESHES / "cushion.obj"), "1.6 mm", None), (sofa_mesh(), "5 mm", None), (chair, "2.6 mm", seat),
+    ):  # fmt: skip
         recipe = recipe_from_text(f"""
         seed = 2
         [fields]
-        rows = {{ axis = {list(axis)} }}
+        rows = {{ axis = [1, 0, 0] }}
         [[layer]]
         material = "composite"
         preset = "gingham"
@@ -263,7 +264,9 @@ def fabric():
         """)
         maps = run(_with(recipe, 1536), surface).maps
         view = {"size": (460, 400), "view": (28, 22), "up": "y"}
-        pictures += [render(maps, **view, zoom=zoom) for zoom in (1, 2.5, 7)]
+        pictures += [
+            render(maps, **view, zoom=zoom, target=target if zoom > 1 else None) for zoom in (1, 2.5, 7)
+        ]
     save(contact_sheet(pictures, columns=3), "textures-fabric")
 
 
