@@ -220,6 +220,7 @@ class _Run:
         with ExitStack() as stack:
             if not stack.enter_context(job_lock(self.batch.out, job.name)):
                 return False
+            clear_remains(folder)
             try:
                 contents = job_contents(job.recipe)
                 key = job_key(job.recipe, contents)

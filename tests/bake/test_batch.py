@@ -1,5 +1,6 @@
 """Batches: done once, whole or not there, whoever dies on the way."""
 
+import errno
 import json
 import os
 import signal
@@ -7,13 +8,16 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
 
 from surftex.bake.batch import run_batch
 from surftex.bake.jobs import LOCKS, job_lock
+from surftex.errors import WorkError
+from surftex.files import output
 from surftex.recipe.batch import load_batch
 
 JOBS = """
@@ -97,6 +101,10 @@ def test_what_is_done_is_kept_and_what_is_damaged_or_changed_is_done_again(studi
     (studio / "out" / "two-calf-1" / "report.json").unlink()
     assert [result.state for result in done_in(studio).results] == ["kept", "done", "done", "kept"]
     assert outputs(studio) == whole
+    (studio / "out" / ".one-calf-1-abcdefgh" / "new").mkdir(parents=True)  # killed when all but this was done
+    (studio / "out" / ".one-calf-1-abcdefgh" / "lock").touch()
+    assert [result.state for result in done_in(studio).results] == ["kept"] * 4
+    assert {path.name for path in (studio / "out").iterdir()} == {*whole, LOCKS, "batch-report.json"}
 
     (studio / "one.obj").write_text(ball_text(13.0))
     assert [result.state for result in done_in(studio).results] == ["done", "done", "kept", "kept"]
@@ -185,6 +193,75 @@ def test_a_job_whose_folder_cannot_be_written_fails_alone(studio, monkeypatch):
     assert [each.state for each in result.results] == ["done", "failed", "done", "done"]
     assert "one-calf-2: cannot write" in (result.results[1].reason or "")
     assert result.exit_code == 3
+
+
+def test_a_disk_that_is_full_fails_a_job_and_the_others_go_on(studio, monkeypatch):
+    plain = output._sync
+
+    def full(path):
+        if ".two-calf-1-" in str(path):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        plain(path)
+
+    monkeypatch.setattr(output, "_sync", full)
+    result = done_in(studio, keep_going=True)
+    assert [each.state for each in result.results] == ["done", "done", "failed", "done"]
+    assert (result.results[2].reason or "").endswith(
+        "two-calf-1: cannot write: No space left on device; nothing was left there"
+    )
+    assert result.exit_code == 3
+    assert not list((studio / "out").glob(".two*"))
+    monkeypatch.undo()
+    assert [each.state for each in done_in(studio).results] == ["kept", "kept", "done", "kept"]
+
+
+class Deadly(Here):
+    """Workers of which one dies, and takes the pool with it, whenever it is given a certain job."""
+
+    renewed = 0
+
+    def executor(self):
+        return self
+
+    def submit(self, work, task):
+        if not task.folder.endswith("one-calf-2"):
+            return self.pool.submit(work, task)
+        dead = Future()
+        dead.set_exception(BrokenProcessPool())
+        return dead
+
+    def renew(self, broken):
+        self.renewed += 1
+
+
+def test_a_job_that_kills_its_worker_twice_fails_and_the_others_go_on(studio):
+    workers = Deadly()
+    try:
+        result = run_batch(load_batch(studio / "jobs.toml"), workers, keep_going=True)
+    finally:
+        workers.abandon()
+    assert [each.state for each in result.results] == ["done", "failed", "done", "done"]
+    assert result.results[1].reason == "its worker was killed; out of memory? Try a lower resolution"
+    assert result.exit_code == 3
+    assert workers.renewed == 2
+
+
+class Deserted(Here):
+    """Workers whose scheduler goes while the first jobs are done."""
+
+    def lost(self):
+        return "the scheduler at tcp://far:8786 is gone"
+
+
+def test_a_scheduler_that_goes_ends_the_batch_in_a_line_and_it_can_go_on(studio):
+    workers = Deserted()
+    with pytest.raises(WorkError, match=r"is gone; \d of 4 jobs are done, the same command goes on"):
+        run_batch(load_batch(studio / "jobs.toml"), workers)
+    report = json.loads((studio / "out" / "batch-report.json").read_text())
+    left = [job for job in report["jobs"] if job["state"] == "not started"]
+    assert left
+    assert {job["reason"] for job in left} == {"the scheduler at tcp://far:8786 is gone"}
+    assert done_in(studio).exit_code == 0
 
 
 def started(studio, *more):
