@@ -322,8 +322,7 @@ def _with(recipe, resolution):
 
 
 PICTURES = {
-    each.__name__: each
-    for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric, leather)
+    each.__name__: each for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric)
 }
 
 
