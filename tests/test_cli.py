@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from surftex.cli import main
+from surftex.cli.say import out
 from surftex.surface.shapes import cylinder, plane, sphere
 
 COMMAND = [sys.executable, "-m", "surftex"]
@@ -206,8 +207,8 @@ def test_a_mistake_is_one_line_and_code_2(ball, arguments, says, monkeypatch, ca
     handler = signal.getsignal(signal.SIGTERM)
     code = main([*arguments, *(["-q"] if arguments[0] == "bake" and len(arguments) > 2 else [])])
     signal.signal(signal.SIGTERM, handler)
-    out, said = capsys.readouterr()
-    assert (code, out) == (2, "")
+    printed, said = capsys.readouterr()
+    assert (code, printed) == (2, "")
     assert said.startswith("surftex: ")
     assert said.count("\n") == 1
     assert says in said
@@ -218,6 +219,16 @@ def test_control_characters_never_reach_the_terminal(ball):
     said = refused("inspect", "no\x1b[2J\nsuch.obj", folder=ball)
     assert "\x1b" not in said
     assert "\\x1b" in said
+
+
+def test_what_is_printed_holds_no_control_characters_and_json_reads_as_before(capsys):
+    text = "a\x1b[31m\x9b\u202e\U000e0001\nb"
+    out(text)
+    out(json.dumps({"out": text}, ensure_ascii=False))
+    plain, written = capsys.readouterr().out.rstrip("\n").rsplit("\n", 1)
+    assert plain == "a\\u001b[31m\\u009b\\u202e\\udb40\\udc01\nb"
+    assert written.isprintable()
+    assert json.loads(written)["out"] == text
 
 
 @pytest.mark.slow

@@ -1,7 +1,9 @@
 """What a bake would cost, told before it is done: density, seconds, memory, within a factor of two or so."""
 
+from collections.abc import Iterable, Iterator
 from typing import Any
 
+from surftex.errors import SurftexError
 from surftex.kernels.pool import thread_count
 from surftex.recipe.model import Recipe
 from surftex.surface.surface import Surface
@@ -54,35 +56,47 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
     return {"material": material, "cells": cells, "threads": threads, "max_features": most, "pages": pages}
 
 
-def recipe_cost(recipe: Recipe) -> dict[str, float]:
-    """Estimate the cost of a recipe; its mesh is read for it.
+def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
+    """Estimate the cost of recipes; each mesh is read once for all that bake it in a row.
 
     Parameters
     ----------
-    recipe : Recipe
-        With the path of its mesh.
+    recipes : iterable of Recipe
+        With the paths of their meshes.
 
-    Returns
-    -------
-    cost : dict
-        ``faces``, ``cells``, ``seconds`` of CPU time, ``memory_mb``.
-
-    Raises
+    Yields
     ------
-    MeshFileError
-        If the mesh cannot be read.
+    cost : dict
+        ``faces``, ``cells``, ``seconds`` of CPU time, ``memory_mb``; or, of a mesh that cannot be read, ``problem``.
     """
     from surftex.files.meshes import load
 
-    mesh, side = recipe.mesh, recipe.bake.resolution
-    surface = load(mesh.path or "", units=mesh.units, size=mesh.size, part=mesh.part)
-    sizes = [getattr(layer.material, "cell_size", None) for layer in recipe.layer]
-    cells = sum(
-        max(1, round(_CELLS * surface.area_mm2 / size**2)) for size in sizes if isinstance(size, (int, float))
-    )
-    faces = len(surface.faces)
-    seconds = round(_START_S + _cpu_s(faces, cells, side), 1)
-    return {"faces": faces, "cells": cells, "seconds": seconds, "memory_mb": _memory_mb(faces, cells, side)}
+    last, found = None, None
+    for recipe in recipes:
+        mesh, side = recipe.mesh, recipe.bake.resolution
+        if found is None or mesh != last:
+            try:
+                surface = load(mesh.path or "", units=mesh.units, size=mesh.size, part=mesh.part)
+            except SurftexError as problem:
+                found = str(problem)
+            else:
+                found = len(surface.faces), surface.area_mm2
+            last = mesh
+        if isinstance(found, str):
+            yield {"problem": found}
+            continue
+        faces, area_mm2 = found
+        sizes = [getattr(layer.material, "cell_size", None) for layer in recipe.layer]
+        cells = sum(
+            max(1, round(_CELLS * area_mm2 / size**2)) for size in sizes if isinstance(size, (int, float))
+        )
+        seconds = round(_START_S + _cpu_s(faces, cells, side), 1)
+        yield {
+            "faces": faces,
+            "cells": cells,
+            "seconds": seconds,
+            "memory_mb": _memory_mb(faces, cells, side),
+        }
 
 
 def _density(surface: Surface, side: int) -> float:

@@ -191,7 +191,7 @@ def place_stack(
         If a layer does not fit the surface; the message names it.
     """
     patterns, masks = [], []
-    count = len(recipe.layer)
+    count, left = len(recipe.layer), recipe.bake.max_features
     for i in range(count):
         given = _named_for(begun or {}, i) or None
         if features is not None:
@@ -199,7 +199,10 @@ def place_stack(
         if given is not None:
             _check_given(surface, given, _label(recipe, i))
         told = _LayerTick(tick, i, count)
-        pattern, mask = place_layer(recipe, i, surface, fields, features=given, threads=threads, tick=told)
+        pattern, mask = place_layer(
+            recipe, i, surface, fields, features=given, max_features=max(left, 1), threads=threads, tick=told
+        )
+        left -= sum(feature_counts(pattern.features).values())
         patterns.append(pattern)
         masks.append(mask)
     return Stack(tuple(patterns), tuple(masks), recipe)
@@ -212,6 +215,7 @@ def place_layer(
     fields: FieldSet,
     *,
     features: Features | None = None,
+    max_features: int | None = None,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> tuple[Pattern, Field | None]:
@@ -229,6 +233,8 @@ def place_layer(
         The recipe's fields on that surface.
     features : mapping of str to structured array, optional
         Take these, as the pattern's own `features` had them, and place nothing anew.
+    max_features : int, optional
+        What the layers below have left of the recipe's; those of the recipe without it.
     threads : int, optional
         None means every core.
     tick : callable, optional
@@ -254,7 +260,7 @@ def place_layer(
         with located(recipe, "layer", index, label=_label(recipe, index)):
             pattern = material.place(
                 surface, layer_seed(recipe.seed, index), fields=fields, features=features,
-                max_features=recipe.bake.max_features, threads=threads, tick=tick,
+                max_features=max_features or recipe.bake.max_features, threads=threads, tick=tick,
             )  # fmt: skip
     except InputError:
         raise

@@ -122,19 +122,13 @@ def _plan(batch: Batch, options: Namespace) -> None:
     """Print what would be done; meshes that cannot be read are named, and nothing is written."""
     import json
 
-    from surftex.bake.cost import recipe_cost
+    from surftex.bake.cost import recipe_costs
 
-    rows: list[dict[str, Any]] = []
-    for job in batch.jobs:
-        row: dict[str, Any] = {
-            "name": job.name,
-            "mesh": job.recipe.mesh.path,
-            "resolution": job.recipe.bake.resolution,
-        }
-        try:
-            rows.append(row | recipe_cost(job.recipe))
-        except SurftexError as problem:
-            rows.append(row | {"problem": str(problem)})
+    costs = recipe_costs(job.recipe for job in batch.jobs)
+    rows: list[dict[str, Any]] = [
+        {"name": job.name, "mesh": job.recipe.mesh.path, "resolution": job.recipe.bake.resolution, **cost}
+        for job, cost in zip(batch.jobs, costs, strict=True)
+    ]
     if options.json:
         out(json.dumps({"out": str(batch.out), "jobs": rows}, indent=1, ensure_ascii=False))
         return

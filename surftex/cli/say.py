@@ -1,5 +1,6 @@
 """What the command prints: one line each, safe for a terminal, and never to a stream that is closed."""
 
+import json
 import sys
 
 from surftex.errors import WorkError
@@ -22,9 +23,9 @@ def out(text: str) -> None:
     Parameters
     ----------
     text : str
-        May have several lines.
+        May have several lines. Other control characters are shown as escapes, which JSON may hold as well.
     """
-    _print(text, sys.stdout)
+    _print("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text), sys.stdout)
 
 
 def one_line(text: str) -> str:

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surftex.arrays import checked_whole
 from surftex.errors import InputError
 from surftex.exemplar.bands import Bands
 from surftex.exemplar.cliques import first_pairs, quad_pool
@@ -327,7 +328,7 @@ class CompositeModel:
         drawn = Relaxation(
             self.target, lattice, level, stream(seed, "exemplar", "sweeps"), group=group, threads=threads
         )
-        drawn.run(self.sweeps if sweeps is None else sweeps, tick=tick)
+        drawn.run(self.sweeps if sweeps is None else checked_whole(sweeps, "sweeps", 1, 1000), tick=tick)
         return level
 
     def save(self, path: str | Path) -> None:

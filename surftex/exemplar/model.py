@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import checked_whole
 from surftex.errors import InputError
 from surftex.exemplar.bands import Bands
 from surftex.exemplar.lattice import MISSING, Lattice, Plane
@@ -165,7 +166,7 @@ class TextureModel:
         level[:, site] = random_levels(self.target.single[0], len(site), stream(seed, "exemplar", "start"))
         lattice.repeat(level)
         drawn = Relaxation(self.target, lattice, level, stream(seed, "exemplar", "sweeps"), threads=threads)
-        drawn.run(self.sweeps if sweeps is None else sweeps, tick=tick)
+        drawn.run(self.sweeps if sweeps is None else checked_whole(sweeps, "sweeps", 1, 1000), tick=tick)
         return level
 
     def save(self, path: str | Path) -> None:

@@ -57,7 +57,7 @@ def chosen_faces(polygons: Polygons, part: str, where: str) -> NDArray[np.bool_]
     folded = {name.casefold(): name for name in known}
     near = [folded[name] for name in difflib.get_close_matches(wanted, folded, n=1, cutoff=0.4)]
     shown = ", ".join(known[:12]) + (f" and {len(known) - 12} more" if len(known) > 12 else "")
-    hint = f"; did you mean {near[0]!r}?" if near else ""
+    hint = f"; did you mean {near[0]!r}?" if near else "."
     raise MeshFileError(f"{where}: has no part {printable(part, longest=60)!r}{hint} It has {shown}")
 
 

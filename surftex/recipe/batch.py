@@ -193,16 +193,18 @@ class _Reader:
         if len(meshes) * len(written.materials) * len(seeds) > _MOST_JOBS:
             raise RecipeError(f"{self.where(('meshes',))}more than {_MOST_JOBS:,} jobs; split the batch")
         names = _distinct(meshes, self.root)
-        return [
-            self.job(
-                f"{names[mesh]}-{Path(material).stem if _is_file(material) else material}"
-                + ("" if seed is None else f"-{seed}"),
-                material, mesh, seed, JobEntry(), ("materials", i),
-            )
-            for mesh in meshes
-            for i, material in enumerate(written.materials)
-            for seed in seeds
-        ]  # fmt: skip
+        jobs = []
+        for mesh in meshes:
+            for i, material in enumerate(written.materials):
+                name = f"{names[mesh]}-{Path(material).stem if _is_file(material) else material}"
+                first = self.job(name, material, mesh, seeds[0], JobEntry(), ("materials", i))
+                jobs += [
+                    first
+                    if seed is None
+                    else Job(f"{name}-{seed}", first.recipe.model_copy(update={"seed": seed}))
+                    for seed in seeds
+                ]
+        return jobs
 
     def single(self, index: int, entry: JobEntry) -> Job:
         path: lines.Path = ("job", index)
@@ -233,8 +235,9 @@ class _Reader:
             for key in _Options.model_fields
             if key != "set"
         }
+        named = str(self.inside(material, path)) if _is_file(material) else material
         try:
-            recipe = self.recipe(material, (*self.written.set, *entry.set), path)
+            recipe = self.recipe(named, (*self.written.set, *entry.set))
             settings = {key: given[key] for key in BakeSettings.model_fields if key in given}
             scale = {key: given[key] for key in MeshSettings.model_fields if key in given}
             if mesh is None and recipe.mesh.path is None:
@@ -243,15 +246,14 @@ class _Reader:
         except RecipeError as problem:
             raise RecipeError(f"{self.where(path)}{problem}") from None
 
-    def recipe(self, material: str, changes: tuple[str, ...], path: lines.Path) -> Recipe:
+    def recipe(self, named: str, changes: tuple[str, ...]) -> Recipe:
         from surftex.recipe.read import recipe_for
 
-        if (material, changes) not in self.recipes:
-            named = str(self.inside(material, path)) if _is_file(material) else material
-            self.recipes[material, changes] = recipe_for(
+        if (named, changes) not in self.recipes:
+            self.recipes[named, changes] = recipe_for(
                 named, allow_outside=self.allow_outside, changes=changes
             )
-        return self.recipes[material, changes]
+        return self.recipes[named, changes]
 
     def meshes(self) -> list[Path]:
         found: dict[Path, None] = {}
@@ -261,7 +263,9 @@ class _Reader:
                 found[self.inside(pattern, path)] = None
                 continue
             if Path(pattern).is_absolute() or ".." in Path(pattern).parts:
-                raise RecipeError(f"{self.where(path)}meshes: {pattern!r} leaves the batch's folder")
+                raise RecipeError(
+                    f"{self.where(path)}meshes: {pattern!r} leaves the batch's folder; name those files one by one"
+                )
             try:
                 matches = sorted(each for each in self.root.glob(pattern) if each.is_file())
             except (ValueError, OSError) as problem:

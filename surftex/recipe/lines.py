@@ -4,6 +4,7 @@ The text has been read by `tomllib` before, so it is well formed; this scanner o
 """
 
 import re
+from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -86,6 +87,7 @@ class _Scanner:
     def __init__(self, text: str) -> None:
         self.text, self.at, self.lines = text, 0, dict[Path, int]()
         self.counts: dict[Path, int] = {}
+        self.ends = [found.start() for found in re.finditer("\n", text)]
 
     def document(self) -> dict[Path, int]:
         table: Path = ()
@@ -178,4 +180,4 @@ class _Scanner:
         return self.at < len(self.text)
 
     def line(self) -> int:
-        return self.text.count("\n", 0, self.at) + 1
+        return bisect_left(self.ends, self.at) + 1

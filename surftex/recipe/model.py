@@ -29,6 +29,7 @@ MAPS = (
 """Maps that can be asked for."""
 
 
+MOST_LAYERS = 64
 NO_LAYER = "a recipe needs at least one [[layer]] with a material or a preset"
 """What is wrong with a recipe that says nothing."""
 
@@ -179,6 +180,8 @@ class Recipe(BaseModel):
     def _some_layer(cls, layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
         if not layers:
             raise ValueError(NO_LAYER)
+        if len(layers) > MOST_LAYERS:
+            raise ValueError(f"{len(layers)} layers; a recipe holds at most {MOST_LAYERS}")
         return layers
 
     @staticmethod

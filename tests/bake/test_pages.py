@@ -140,3 +140,13 @@ def test_progress_is_told_and_may_cancel(tube):
 
     with pytest.raises(StopError):
         bake_pages(surface, atlas, stack, 128, ("height",), tick=stop)
+
+
+def test_layers_share_what_is_allowed_of_features():
+    surface = sphere(20.0, subdivisions=2)
+    layers = (Layer(material=Waves()), Layer(material=Waves()))
+    recipe = Recipe(layer=layers, bake={"max_features": 40})
+    assert len(place_stack(recipe, surface, make_fields(recipe, surface)).patterns) == 2
+    short = Recipe(layer=layers, bake={"max_features": 39})
+    with pytest.raises(RecipeError, match=r"^layer\[2\]: 20 spots are more than max_features = 19"):
+        place_stack(short, surface, make_fields(recipe, surface))

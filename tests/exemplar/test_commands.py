@@ -120,6 +120,8 @@ def test_a_composite_is_learnt_and_drawn_and_aged(stones, capsys):
     assert np.asarray(Image.open("a.png")).shape == (96, 96)
     assert main([*draw, "--labels", "stones.png"]) == 2
     assert "a label map has at most 8" in capsys.readouterr().err
+    assert main([*draw, "--size", "40x32", "--sweeps", "-3"]) == 2
+    assert "sweeps is -3" in capsys.readouterr().err
     assert main(["learn", "rock.png", "--labels", "stones.png", "-o", "x.stex"]) == 2
     assert main(["learn", "rock.png", "--labels", "labels.png", "--segment", "2", "-o", "x.stex"]) == 2
     assert main(["erode", "rock.stex", "-o", "age.png", "--size", "32x32", "--grow", "1", "-q"]) == 0

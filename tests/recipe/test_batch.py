@@ -1,5 +1,7 @@
 """Batch files: what they expand to, and what they say about mistakes."""
 
+import time
+
 import pytest
 
 from surftex.errors import RecipeError
@@ -80,6 +82,7 @@ def test_a_recipe_names_its_own_mesh(studio):
         ('meshes = ["bag.obj"]\nmaterials = ["claf"]', "jobs.toml:2: there is no preset 'claf'; did you mean calf?"),
         ('meshes = ["../bag.obj"]\nmaterials = ["calf"]', "jobs.toml:1: meshes: '../bag.obj' leaves the batch's folder"),
         ('meshes = ["../*.obj"]\nmaterials = ["calf"]', "leaves the batch's folder"),
+        ('meshes = ["bag.obj"]\nmaterials = ["../bird.toml"]', "jobs.toml:2: materials: '../bird.toml' leaves"),
         ('meshes = ["/etc/*.obj"]\nmaterials = ["calf"]', "leaves the batch's folder"),
         ('meshes = ["bag.obj"]\nmaterials = ["calf", "calf"]', "two jobs write to 'bag-calf'"),
         ('out = ".."\nmeshes = ["bag.obj"]\nmaterials = ["calf"]', "jobs.toml:1: out: '..' leaves the batch's folder"),
@@ -96,6 +99,16 @@ def test_mistakes_are_told_where_they_stand(studio, text, said):
         batch(studio, text)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+    assert str(caught.value).count("jobs.toml:") <= 1
+
+
+def test_a_batch_of_many_seeds_is_read_in_a_moment(studio):
+    seeds = ", ".join(map(str, range(30_000)))
+    began = time.process_time()
+    found = batch(studio, f'meshes = ["bag.obj"]\nmaterials = ["calf"]\nseeds = [{seeds}]')
+    assert time.process_time() - began < 10
+    assert [job.recipe.seed for job in found.jobs] == list(range(30_000))
+    assert found.jobs[-1].recipe.places is found.jobs[0].recipe.places
 
 
 def test_files_outside_may_be_allowed(studio):

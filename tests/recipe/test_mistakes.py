@@ -132,6 +132,10 @@ def test_only_the_first_of_several_mistakes_is_told():
 def test_a_recipe_without_layers_is_refused():
     assert "needs at least one [[layer]]" in refused("surftex = 1\n")
     assert "needs at least one [[layer]]" in refused("layer = []\n")
+
+
+def test_layers_are_counted():
+    assert "65 layers; a recipe holds at most 64" in refused("[[layer]]\npreset = 'calf'\n" * 65)
     assert "layer: a layer needs a material (leather, cells, skin, composite) or a preset" in refused(
         "[[layer]]\nmask = 0.5\n"
     ).replace(".material", "")
