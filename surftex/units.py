@@ -37,7 +37,10 @@ def length_mm(value: str | float | int) -> float:
     if isinstance(value, bool):
         raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")
     if isinstance(value, (int, float)):
-        return _finite(float(value), value)
+        try:
+            return _finite(float(value), value)
+        except OverflowError:
+            return _finite(math.inf, value)
     match = _LENGTH.fullmatch(value)
     if not match:
         raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")
@@ -49,5 +52,5 @@ def length_mm(value: str | float | int) -> float:
 
 def _finite(length: float, value: str | float) -> float:
     if not math.isfinite(length):
-        raise RecipeError(f"{value!r} is not a length: it is not finite")
+        raise RecipeError(f"{value!r:.60} is not a length: it is not finite")
     return length

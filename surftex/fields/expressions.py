@@ -114,11 +114,14 @@ class Expression:
         Fields that it refers to, without coordinates and constants.
     parts : frozenset of str
         Parts of the mesh that it refers to.
+    depth : int
+        Of its nesting.
     """
 
     text: str
     names: frozenset[str]
     parts: frozenset[str]
+    depth: int
     _root: _Node
 
     @staticmethod
@@ -140,9 +143,10 @@ class Expression:
         RecipeError
             Naming the expression, the column and what is not allowed there.
         """
-        text = (
-            repr(float(value)) if isinstance(value, (int, float)) and not isinstance(value, bool) else value
-        )
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if number and not _is_finite(value):
+            raise RecipeError(f"{value!r:.60} is not finite")
+        text = repr(float(value)) if number else value
         if not isinstance(text, str):
             raise RecipeError(
                 f"{value!r} is not an expression; write a number or text such as '1 - 0.7 * toe'"
@@ -157,7 +161,7 @@ class Expression:
             raise RecipeError(f"{_short(text)!r} cannot be read as an expression") from None
         reader = _Reader(text.strip())
         root = reader.read(tree.body, 0)
-        return Expression(text.strip(), frozenset(reader.names), frozenset(reader.parts), root)
+        return Expression(text.strip(), frozenset(reader.names), frozenset(reader.parts), reader.depth, root)
 
     def evaluate(self, resolve: Resolve, count: int) -> Values:
         """Compute the expression at points.
@@ -215,7 +219,7 @@ class _Reader:
     """Turns a syntax tree into nested functions, or refuses it."""
 
     def __init__(self, text: str) -> None:
-        self.text, self.names, self.parts = text, set[str](), set[str]()
+        self.text, self.names, self.parts, self.depth = text, set[str](), set[str](), 0
 
     def refuse(self, node: ast.AST, problem: str) -> RecipeError:
         return RecipeError(f"{_short(self.text)!r} at column {getattr(node, 'col_offset', 0) + 1}: {problem}")
@@ -223,6 +227,7 @@ class _Reader:
     def read(self, node: ast.AST, depth: int) -> _Node:
         if depth > _DEEPEST:
             raise self.refuse(node, f"nested more than {_DEEPEST} deep")
+        self.depth = max(self.depth, depth)
         match node:
             case ast.Constant(value=int() | float() as number) if _is_finite(number):
                 return _constant(float(number))

@@ -23,6 +23,9 @@ from surftex.fields.spans import Span, over_corners
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
+_MOST_LEVELS, _LEVELS_OF_A_FIELD = 300, 8
+"""Nesting of expressions through all fields that one builds on; a field counts as so many, besides its own."""
+
 if TYPE_CHECKING:
     from surftex.fields.vectors import VectorField
     from surftex.geodesics.directions import DirectionField
@@ -83,28 +86,24 @@ class FieldSet:
         self._made: dict[str, DirectionField | VectorField] = {}
         self._curves, self._drawn = dict(curves), dict[str, NDArray]()
         self._points = dict(points)
-        needs: dict[str, frozenset[str]] = {}
+        derived: dict[str, Expression] = {}
         for name, value in numbers.items():
             check_name(name)
             if name in directions or name in curves:
                 other = "a direction" if name in directions else "curves"
                 raise RecipeError(f"the name {name!r} is both a number and {other}")
             if isinstance(value, Derived):
-                expression = Expression.parse(value.of)
-                needs[name] = expression.names
+                derived[name] = Expression.parse(value.of)
                 self._fields[name] = made_once(lambda name=name, value=value: self._derived(name, value))
             elif callable(value):
                 self._fields[name] = value
             else:
                 self._expressions[name] = Expression.parse(value)
-        for name, expression in self._expressions.items():
+        every = {**self._expressions, **derived}
+        for name, expression in every.items():
             with naming(f"fields.{name}"):
                 self._check(expression)
-        for name, value in numbers.items():
-            if isinstance(value, Derived):
-                with naming(f"fields.{name}"):
-                    self._check(Expression.parse(value.of))
-        refuse_circles({**needs, **{name: each.names for name, each in self._expressions.items()}})
+        refuse_circles(every)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -353,21 +352,21 @@ def check_name(name: str) -> None:
         raise RecipeError(f"{name!r} cannot name a field: it is a function or a coordinate already")
 
 
-def refuse_circles(needs: Mapping[str, frozenset[str]]) -> None:
-    """Refuse definitions that need themselves.
+def refuse_circles(expressions: Mapping[str, Expression]) -> None:
+    """Refuse definitions that need themselves, or build on one another too often: each is evaluated inside the next.
 
     Parameters
     ----------
-    needs : mapping of str to set of str
-        The names that each definition refers to.
+    expressions : mapping of str to Expression
+        What each definition is worked out from.
 
     Raises
     ------
     RecipeError
-        With the circle, from its first name back to it.
+        With the circle, from its first name back to it; or the name that too much lies under.
     """
-    done: set[str] = set()
-    for start in sorted(needs):
+    levels: dict[str, int] = {}
+    for start in sorted(expressions):
         path: list[str] = []
         stack = [iter([start])]
         while stack:
@@ -375,14 +374,20 @@ def refuse_circles(needs: Mapping[str, frozenset[str]]) -> None:
             if name is None:
                 stack.pop()
                 if path:
-                    done.add(path.pop())
+                    own = path.pop()
+                    below = max((levels.get(each, 0) for each in expressions[own].names), default=0)
+                    levels[own] = below + expressions[own].depth + _LEVELS_OF_A_FIELD
+                    if levels[own] > _MOST_LEVELS:
+                        raise RecipeError(
+                            f"too many fields build on one another below {own!r}; write fewer steps"
+                        )
                 continue
             if name in path:
                 circle = [*path[path.index(name) :], name]
                 raise RecipeError(f"fields refer to each other in a circle: {' -> '.join(circle)}")
-            if name in needs and name not in done:
+            if name in expressions and name not in levels:
                 path.append(name)
-                stack.append(iter(sorted(needs[name])))
+                stack.append(iter(sorted(expressions[name].names)))
 
 
 def _hint(name: str, known: Mapping | tuple[str, ...], what: str) -> str:

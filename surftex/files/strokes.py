@@ -266,9 +266,9 @@ class _Places:
         if self.space:
             surface = self.surface
             rows = np.array([at for at, _, _ in self.space])
-            spots = (
-                np.array([values for _, values, _ in self.space]) * surface.mm_per_unit - surface.origin_mm
-            )
+            with np.errstate(over="ignore"):
+                spots = np.array([values for _, values, _ in self.space]) * surface.mm_per_unit
+            spots -= surface.origin_mm
             size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
             beyond = np.abs(spots).max(axis=1) > 1e6 * size
             points, away = closest_points(surface, np.where(beyond[:, None], 1e6 * size, spots))

@@ -153,8 +153,8 @@ class DirectionField:
         connection = _connection(surface, symmetry)
         vector = checked(axis, "axis", (3,), np.float64, error=SurfaceError)
         length = np.linalg.norm(vector)
-        if length == 0:
-            raise SurfaceError("axis has no length; give a direction such as [0, 0, 1]")
+        if not 0 < length < np.inf:
+            raise SurfaceError("axis has no length, or one beyond all numbers; give a direction such as [0, 0, 1]")
         return _pulled(connection, *_laid(surface, vector / length, symmetry))
 
     @staticmethod

@@ -141,6 +141,8 @@ def _parsed(text: str, name: str) -> tuple[dict[str, Any], Where]:
         raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
     except RecursionError:
         raise RecipeError(f"{name}: nested too deeply to be read") from None
+    except ValueError:  # of int, which tells no line
+        raise RecipeError(f"{name}: a number has too many digits to be read") from None
 
     def where(path: lines.Path) -> str:
         line = next((known[path[:n]] for n in range(len(path), 0, -1) if path[:n] in known), None)

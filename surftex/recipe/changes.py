@@ -107,6 +107,6 @@ def _only(layers: list[dict[str, Any]], candidates: Any, text: str) -> int:
 def _value(written: str) -> Any:
     try:
         read = tomllib.loads(f"value = {written}\n")
-    except tomllib.TOMLDecodeError:
+    except ValueError:  # TOML has mistakes, int too many digits
         return written
     return read["value"] if set(read) == {"value"} else written

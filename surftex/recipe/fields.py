@@ -7,6 +7,7 @@ A number or an expression stands for itself; everything else is a table with one
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -33,7 +34,16 @@ def _length(value: Any) -> Any:
 
 Millimetres = Annotated[float, BeforeValidator(_length), Field(ge=-1e7, le=1e7, allow_inf_nan=False)]
 PositiveMillimetres = Annotated[float, BeforeValidator(_length), Field(gt=0, le=1e7, allow_inf_nan=False)]
-Number = Annotated[StrictFloat | StrictInt, Field(allow_inf_nan=False)]
+
+
+def _moderate(number: float) -> float:
+    if not abs(number) <= _LARGEST:  # its squares and products would be inf
+        raise ValueError(f"{number!r:.60} is beyond {_LARGEST:g}, or no number")
+    return number
+
+
+_LARGEST = 1e100
+Number = Annotated[StrictFloat | StrictInt, AfterValidator(_moderate)]
 Axis = Annotated[tuple[Number, Number, Number], Field(description="Direction in the file's axes.")]
 
 
@@ -75,7 +85,10 @@ class OcclusionEntry(_Entry):
 class DistanceEntry(_Entry):
     """Walking distance in mm to a mask's border (negative inside), a point, or what a JSON file of strokes holds."""
 
-    distance_to: StrictStr | Axis
+    distance_to: Annotated[
+        Annotated[StrictStr, Tag("text")] | Annotated[Axis, Tag("place")],
+        Discriminator(lambda value: "text" if isinstance(value, str) else "place"),
+    ]
     level: Number = 0.5
     limit: PositiveMillimetres | None = None
 

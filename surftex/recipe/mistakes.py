@@ -12,6 +12,7 @@ from surftex.recipe.layer import Layer, material_class, plain_types, preset_mate
 from surftex.recipe.lines import Path
 
 if TYPE_CHECKING:
+    from surftex.fields.expressions import Expression
     from surftex.recipe.model import Recipe
 
 Where = Callable[[Path], str]
@@ -175,7 +176,7 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
     directions = {name for name, entry in recipe.fields_.items() if isinstance(entry, DIRECTIONS)}
     curves = {name for name, entry in recipe.fields_.items() if isinstance(entry, CURVES)}
     numbers = {*recipe.fields_} - directions - curves
-    needs = {}
+    needs: dict[str, Expression] = {}
     for name, entry in recipe.fields_.items():
         try:
             check_name(name)
@@ -221,7 +222,7 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
 
 def _checked_expression(
     value: str | float, numbers: set[str], directions: set[str], curves: set[str]
-) -> frozenset[str]:
+) -> "Expression":
     from surftex.fields.expressions import Expression
     from surftex.units import length_mm
 
@@ -240,7 +241,7 @@ def _checked_expression(
         if name not in numbers:
             hint = nearest(name, numbers) or "; [fields] has none"
             raise RecipeError(f"{expression.text!r}: unknown field {name!r}{hint}")
-    return expression.names
+    return expression
 
 
 def _expressions(layer: Layer) -> dict[str, str]:

@@ -86,6 +86,8 @@ def recipe_from_text(
         raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
     except RecursionError:
         raise RecipeError(f"{name}: nested too deeply to be read") from None
+    except ValueError:  # of int, which tells no line
+        raise RecipeError(f"{name}: a number has too many digits to be read") from None
     where = lines.Places(name, known, {change(values, each): each for each in changes})
     recipe = checked_recipe(values, where)
     return _with_paths(recipe, folder or Path(), where, allow_outside=allow_outside).located(where)

@@ -8,6 +8,9 @@ from surftex.errors import SurfaceError
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
+_FARTHEST = 1e6
+"""Times the diagonal of a surface: places that are looked for."""
+
 
 def closest_points(surface: Surface, positions: ArrayLike) -> tuple[SurfacePoints, NDArray[np.float64]]:
     """Find the nearest point of a surface for each place.
@@ -29,7 +32,7 @@ def closest_points(surface: Surface, positions: ArrayLike) -> tuple[SurfacePoint
     Raises
     ------
     SurfaceError
-        If a place is not finite.
+        If a place is not finite, or farther off than a million times the size of the surface.
 
     Examples
     --------
@@ -42,6 +45,13 @@ def closest_points(surface: Surface, positions: ArrayLike) -> tuple[SurfacePoint
     places = checked(positions, "positions", (None, 3), np.float64, error=SurfaceError)
     if len(places) == 0:
         return SurfacePoints(np.zeros(0, np.int32), np.zeros((0, 3))), np.zeros(0)
+    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    far = np.flatnonzero(np.abs(places).max(axis=1) > _FARTHEST * size)
+    if len(far):  # squares of what is farther yet are inf, and then no face is the nearest
+        raise SurfaceError(
+            f"positions[{far[0]}] = {places[far[0]].tolist()} lies off a surface of {size:.4g} mm, by more than "
+            f"{_FARTHEST:g} times its size; are its axes and unit those of the mesh file?"
+        )
     faces = surface.faces.astype(np.int64)
     squared, face, nearest = igl.point_mesh_squared_distance(
         np.array(places), np.array(surface.vertices), faces

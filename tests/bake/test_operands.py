@@ -135,6 +135,24 @@ def test_circles_of_distances_are_refused():
         recipe_from_text(text)
 
 
+def test_as_many_distances_as_may_build_on_one_another_do():
+    surface = plane(10.0, cells=3)
+    nested = "(" * 50 + "d{}" + " + 0)" * 50
+    lines = [f'd{i} = {{ distance_to = "{nested.format(i - 1)}", level = 0 }}' for i in range(1, 6)]
+    made = fields("\n".join(['d0 = "x - 5"', *lines]), surface)
+    points = SurfacePoints(np.arange(18), np.full((18, 3), 1 / 3))
+    np.testing.assert_allclose(np.abs(made["d5"](points)), np.abs(made["d0"](points)), atol=0.2)
+    low, high = made["d5"].span()
+    assert (low <= high).all()
+    with pytest.raises(RecipeError, match="too many fields build on one another below 'd6'"):
+        fields("\n".join(['d0 = "x - 5"', *lines, f'd6 = "{nested.format(5)}"']), surface)
+
+
+def test_a_place_that_is_far_off_is_told():
+    with pytest.raises(RecipeError, match=r"d: positions\[0\] .* lies off a surface of 14.14 mm"):
+        fields("d = { distance_to = [1e90, 0, 0] }", plane(10.0, cells=3))
+
+
 def test_a_recipe_that_remembers_its_lines_can_be_sent_to_another_process():
     recipe = recipe_from_text(f"[fields]\nside = {{ gradient = [1, 0, 0] }}{LAYER}", name="r.toml")
     again = pickle.loads(pickle.dumps(Recipe.of(recipe, resolution=64)))

@@ -126,6 +126,11 @@ def test_noise_keeps_to_its_range_and_fades():
         ({"a": "grain + 1"}, "is a direction, not a number"),
         ({"grain": 1.0}, "both a number and a direction"),
         ({"a": True}, "not an expression"),
+        ({"a": 10**400}, "000 is not finite"),
+        (
+            {"f0": "x", **{f"f{i}": f"f{i - 1} + f{i - 1}" for i in range(1, 2000)}},
+            "build on one another below",
+        ),
     ],
 )
 def test_wrong_fields_are_refused(numbers, says):
@@ -137,6 +142,15 @@ def test_wrong_fields_are_refused(numbers, says):
 def test_shared_needs_are_no_circle():
     fields = FieldSet(two_parts(), {"a": "b + c", "b": "d", "c": "d", "d": constant_field(2.0)})
     assert fields.scalar("a")(random_points(fields.surface, 3)).tolist() == [4, 4, 4]
+
+
+def test_as_many_fields_as_may_build_on_one_another_do():
+    nested = "(" * 50 + "{}" + " + 0)" * 50
+    fields = FieldSet(two_parts(), {"f0": "x", **{f"f{i}": nested.format(f"f{i - 1}") for i in range(1, 6)}})
+    points = random_points(fields.surface, 5)
+    np.testing.assert_array_equal(fields["f5"](points), fields["f0"](points))
+    low, high = fields["f5"].span()
+    assert (low <= high).all()
 
 
 def test_directions_are_made_once_and_looked_up_by_name():

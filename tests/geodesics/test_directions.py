@@ -231,6 +231,8 @@ def test_wrong_input_is_named():
     sheet = plane(10.0, cells=2)
     with pytest.raises(SurfaceError, match="symmetry is 3"):
         DirectionField.smoothest(sheet, 3)
+    with pytest.raises(SurfaceError, match="no length"), np.errstate(over="ignore"):
+        DirectionField.from_axis(sheet, [1e308, 1e308, 1e308])
     with pytest.raises(SurfaceError, match="no length"):
         DirectionField.from_axis(sheet, [0, 0, 0])
     with pytest.raises(SurfaceError, match="no strokes"):

@@ -123,6 +123,30 @@ def test_a_mistake_is_located(right, wrong, message):
     assert "more mistake" not in said
 
 
+HUGE = [
+    (
+        "[0, 0, 1]",
+        "[0, 0, 1e308]",
+        "shoe.toml:13: fields.grain.axis[3]: 1e+308 is beyond 1e+100, or no number",
+    ),
+    ("[0, 0, 1]", f"[0, 1{'0' * 400}, 1]", "shoe.toml:13: fields.grain.axis[2]: 1000"),
+    (
+        "{ axis = [0, 0, 1] }",
+        "{ distance_to = [1e300, 0, 0] }",
+        "shoe.toml:13: fields.grain.distance_to: 1e+300",
+    ),
+    ("7", f"1{'0' * 5000}", "shoe.toml: a number has too many digits to be read"),
+    ('"0.9 mm"', f"1{'0' * 400}", "shoe.toml:17: layer.cell_size: 1000"),
+]
+
+
+@pytest.mark.parametrize(("right", "wrong", "message"), HUGE, ids=range(len(HUGE)))
+def test_a_number_beyond_all_is_a_line(right, wrong, message):
+    said = refused(GOOD.replace(right, wrong))
+    assert said.startswith(message)
+    assert len(said) < 150
+
+
 def test_only_the_first_of_several_mistakes_is_told():
     said = refused(GOOD.replace("4096", '"a"').replace("seed = 7", "seed = 1.5"))
     assert said.startswith("shoe.toml:2: seed")

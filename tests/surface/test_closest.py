@@ -32,5 +32,8 @@ def test_one_place_and_none():
     points, distance = closest_points(sphere(20.0), [[0.0, 0.0, 50.0]])
     assert len(points) == len(distance) == 1
     assert len(closest_points(sphere(20.0), np.zeros((0, 3)))[0]) == 0
+    for far in (1e9, 1e200, -1e308):
+        with pytest.raises(SurfaceError, match=r"positions\[1\] .* lies off a surface of 69.28 mm"):
+            closest_points(sphere(20.0), [[0.0, 0.0, 1e6], [0.0, far, 0.0]])
     with pytest.raises(SurfaceError, match="not finite"):
         closest_points(sphere(20.0), [[np.nan, 0, 0]])
