@@ -143,10 +143,11 @@ class Expression:
         RecipeError
             Naming the expression, the column and what is not allowed there.
         """
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if number and not _is_finite(value):
-            raise RecipeError(f"{value!r:.60} is not finite")
-        text = repr(float(value)) if number else value
+        text = value
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            if not _is_finite(value):
+                raise RecipeError(f"{value!r:.60} is not finite")
+            text = repr(float(value))
         if not isinstance(text, str):
             raise RecipeError(
                 f"{value!r} is not an expression; write a number or text such as '1 - 0.7 * toe'"

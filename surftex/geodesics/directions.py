@@ -154,7 +154,9 @@ class DirectionField:
         vector = checked(axis, "axis", (3,), np.float64, error=SurfaceError)
         length = np.linalg.norm(vector)
         if not 0 < length < np.inf:
-            raise SurfaceError("axis has no length, or one beyond all numbers; give a direction such as [0, 0, 1]")
+            raise SurfaceError(
+                "axis has no length, or one beyond all numbers; give a direction such as [0, 0, 1]"
+            )
         return _pulled(connection, *_laid(surface, vector / length, symmetry))
 
     @staticmethod
