@@ -24,7 +24,7 @@ from surftex.surface.surface import Surface
 REACH = 1.02
 """First radius of the search, in the largest semi-axis nearby: a full surface has a site within one."""
 
-_EDGES, _FACES = 16384, 8192
+_EDGES, _FACES = 16384, 1024
 _DOUBLINGS = 40
 
 
@@ -335,7 +335,8 @@ def _vertex_region(count: int, ends: NDArray, region: NDArray) -> NDArray[np.int
         return np.zeros((0, 3), np.int32)
     edge, side = np.nonzero(ends >= 0)
     vertex, site = np.repeat(ends[edge, side], 2).astype(np.int64), region[edge].ravel()
-    vertex, site = np.divmod(np.unique((vertex << 32) + site), 1 << 32)
+    pair = np.sort((vertex << 32) + site)
+    vertex, site = np.divmod(pair[np.diff(pair, prepend=-1) > 0], 1 << 32)
     first = np.searchsorted(vertex, np.arange(count))
     size = np.bincount(vertex, minlength=count)
     column = np.minimum(np.arange(3), size[:, None] - 1)

@@ -117,8 +117,8 @@ class _Furrows:
         leaving = np.stack([np.arctan2(ahead[:, 1], ahead[:, 0]), np.arctan2(back[:, 1], back[:, 0])], axis=1)
         for low in range(0, len(first), _AT_ONCE):
             rows = slice(low, low + _AT_ONCE)
-            for side, row, flat in ((0, first[rows], pieces.start), (1, last[rows], pieces.end)):
-                leaving[rows, side] -= stress.at(_places(surface, pieces.face[row], flat[row]))
+            for side, row in ((0, first[rows]), (1, last[rows])):
+                leaving[rows, side] -= stress.at(_along(surface, pieces, row, side))
         vertex = graph.edge_vertex[number].ravel()
         vertex_end = np.argsort(vertex, kind="stable")
         low, high = np.sort(graph.edge_region[number].astype(np.int64), axis=1).T
@@ -227,10 +227,7 @@ class _Walk:
         pieces = furrows.graph.pieces
         rows = np.concatenate([np.arange(furrows.first[edge], furrows.last[edge]) for edge in candidates])
         edges = np.repeat(candidates, [furrows.last[edge] - furrows.first[edge] for edge in candidates])
-        begin, end = (
-            _places(surface, pieces.face[rows], flat[rows]).positions(surface)
-            for flat in (pieces.start, pieces.end)
-        )
+        begin, end = (_along(surface, pieces, rows, share).positions(surface) for share in (0.0, 1.0))
         along = end - begin
         square = np.maximum((along**2).sum(axis=1), 1e-300)
         share = np.clip(((here - begin) * along).sum(axis=1) / square, 0, 1)
@@ -297,12 +294,17 @@ def _turn(angle: float) -> float:
     return float(abs((angle + np.pi) % (2 * np.pi) - np.pi))
 
 
-def _places(surface: Surface, face: NDArray[np.int32], flat: NDArray[np.float64]) -> SurfacePoints:
-    """Make points of places in the frames of faces."""
-    return SurfacePoints.trusted(face, barycentric_of(surface, face, flat))
+def _along(surface: Surface, pieces: CurvePieces, rows: NDArray[np.integer], share: float) -> SurfacePoints:
+    """Find the places on some pieces, a share of the way along each."""
+    chosen = CurvePieces(
+        pieces.face[rows], pieces.start[rows], pieces.end[rows], pieces.curve[rows], pieces.start_mm[rows]
+    )
+    return chosen.points(surface, share)
 
 
 def _points(surface: Surface, places: list[tuple[int, NDArray[np.float64]]]) -> SurfacePoints:
     """Make points of faces and places in their frames."""
     face = np.array([face for face, _ in places], np.int32)
-    return _places(surface, face, np.array([place for _, place in places]))
+    return SurfacePoints.trusted(
+        face, barycentric_of(surface, face, np.array([place for _, place in places]))
+    )
