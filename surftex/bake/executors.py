@@ -3,6 +3,7 @@
 Both are a `concurrent.futures.Executor`; what differs is how they are started, and what a death looks like.
 """
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -234,6 +235,9 @@ def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterW
         raise WorkError(f"no scheduler answers at {address}; start one with dask scheduler") from None
     except ValueError as problem:
         raise InputError(f"{address!r} is no address of a scheduler: {problem}") from None
+    talk = logging.getLogger("distributed.client")
+    usual = talk.level
+    talk.setLevel(logging.CRITICAL)  # that the scheduler is gone is told by `lost`, in a line
     try:
         cores: Any = client.nthreads()
         threads = sum(cores.values())
@@ -244,6 +248,7 @@ def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterW
         yield ClusterWorkers(client, address, count or threads)
     finally:
         client.close(timeout=5)
+        talk.setLevel(usual)
 
 
 def _attend(held: Connection) -> None:

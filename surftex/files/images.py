@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError, WorkError
 from surftex.files.decoding import decoded, kind_of, read_exr_channels
-from surftex.paged import blocks, let_go
+from surftex.paged import blocks, in_file, let_go
 
-_UP, _RUNS, _ROWS = 32, 3, 64
+_UP, _RUNS, _ROWS, _EXR_TILE = 32, 3, 64, 64
 
 
 def png_bytes(pixels: NDArray[Any]) -> bytes:
@@ -205,6 +205,8 @@ def _by_rows(values: NDArray[Any], dtype: Any, code: Callable[[NDArray[Any]], ND
 def write_exr(path: str | Path, image: NDArray[np.floating], *, channel: str = "Y") -> None:
     """Write numbers as they are, in an EXR of 32-bit floats, compressed without loss (ZIP).
 
+    A page that lies in a file (`surftex.paged`) is written in tiles of 64 x 64, so that a reader may take a part of it.
+
     Parameters
     ----------
     path : path
@@ -226,7 +228,11 @@ def write_exr(path: str | Path, image: NDArray[np.floating], *, channel: str = "
     if image.ndim < 2 or image.shape[2:] not in ((), (3,)):
         raise InputError(f"EXR takes (h, w) or (h, w, 3), not {image.shape}")
     pixels = np.ascontiguousarray(image, np.float32)
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header: dict[str, Any] = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    if in_file(pixels.shape):
+        tiles = OpenEXR.TileDescription()
+        tiles.xSize = tiles.ySize = _EXR_TILE
+        header |= {"type": OpenEXR.tiledimage, "tiles": tiles}
     try:
         with OpenEXR.File(header, {channel if pixels.ndim == 2 else "RGB": pixels}) as file:
             file.write(str(path))

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import OpenEXR
 import pytest
 
 import surftex as sx
@@ -137,6 +138,9 @@ def test_pages_in_files_are_the_same_pages(tmp_path, monkeypatch):
     assert np.array_equal(*(
         read_exr(tmp_path / how / f"{plain.stem}_height.exr")["Y"] for how in ("plain", "paged")
     ))  # fmt: skip
+    for how, kind in (("plain", "scanlineimage"), ("paged", "tiledimage")):
+        with OpenEXR.File(str(tmp_path / how / f"{plain.stem}_height.exr")) as opened:
+            assert opened.header()["type"] == getattr(OpenEXR, kind)
     assert (tmp_path / "paged" / f"{plain.stem}_orm.png").is_file()
     assert (tmp_path / "paged" / f"{plain.stem}.glb").stat().st_size < (
         tmp_path / "plain" / f"{plain.stem}.glb"
