@@ -5,6 +5,7 @@ from typing import Any
 
 from surftex.errors import SurftexError
 from surftex.kernels.pool import thread_count
+from surftex.paged import in_file
 from surftex.recipe.model import Recipe
 from surftex.surface.surface import Surface
 
@@ -14,9 +15,18 @@ COVERAGE = 0.62
 _CELLS = 0.84
 """Cells per square of the cell size, as full Poisson-disk sets come out."""
 
-_CPU_S_PER = {"face": 3.0e-5, "cell": 2.2e-4, "texel": 2.2e-6}
+_CPU_S_PER = {"face": 6.0e-5, "cell": 2.2e-4, "texel": 7.0e-7}
 _START_S = 2.0
-_BYTES_PER = {"face": 1500, "cell": 5200, "texel": 69, "tile texel": 66}
+_BYTES_PER = {
+    "face": 1500,
+    "face among cells": 4200,
+    "cell": 5200,
+    "texel": 69,
+    "paged texel": 8,
+    "tile texel": 66,
+}
+"""A face smaller than the cells around it holds some thirty of their windows, whatever the size of either."""
+
 _START_MB = 300.0
 
 
@@ -111,5 +121,12 @@ def _cpu_s(faces: int, cells: int, side: int) -> float:
 def _memory_mb(faces: int, cells: int, side: int) -> int:
     from surftex.bake.pages import TILE_TEXELS
 
-    work = {"face": faces, "cell": cells, "texel": side * side, "tile texel": min(side * side, TILE_TEXELS)}
+    texels = side * side
+    work = {
+        "face": faces,
+        "face among cells": faces if cells else 0,
+        "cell": cells,
+        "paged texel" if in_file((side, side)) else "texel": texels,
+        "tile texel": min(texels, TILE_TEXELS),
+    }
     return round(_START_MB + sum(_BYTES_PER[key] * count for key, count in work.items()) / 1e6)
