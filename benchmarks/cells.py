@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import surftex as sx
-from surftex.bake.tiling import cell_statistics
+from surftex.bake.growth_facts import cell_statistics
 from surftex.fields.fieldset import FieldSet
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.skeleton import ground_of, grown, particle_table

@@ -179,7 +179,10 @@ MISTAKES = [
     (["bake", "ball.obj", "--material", "calf", "--units", "mm", "--uv", "keep"], "no UVs"),
     (["bake", "ball.obj", "--material", "calf", "--units", "m", "--max-features", "9"], "layer: "),
     (["bake", "ball.obj", "--material", "calf", "--threads", "0"], "threads is 0"),
-    (["bake", "ball.obj", "--material", "calf", "--features", "ball.obj"], "ball.obj: no features file"),
+    (
+        ["bake", "ball.obj", "--material", "calf", "--features", "ball.obj"],
+        "ball.obj: is no features file, such as",
+    ),
     (["bake", "ball.obj", "--material", "calf", "--out", "ball.obj"], "ball.obj is a file; name a folder"),
     (["bake", "bad.toml"], "bad.toml:3: layer.cell_sise: unknown key; did you mean cell_size?"),
     (["bake", "bad.toml", "--material", "calf"], "names its own materials"),

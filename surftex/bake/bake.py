@@ -174,6 +174,7 @@ def _bake(
     from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
     from surftex.bake.growing import ground_key
+    from surftex.bake.growth_facts import grown_cells
     from surftex.bake.looks import clamped_warnings
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.remembering import features_key, remember_features, remembered_features
@@ -220,6 +221,8 @@ def _bake(
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved
+    if grown := grown_cells(stack.features):
+        report["cells"] = grown
     maps_made = MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)
     return Baked(maps_made, stack, recipe)
 

@@ -21,6 +21,9 @@ from surftex.surface.surface import Surface
 GROWS = ("cells",)
 """Materials that grow."""
 
+MOST_FRAMES = 2000
+"""As many as a growth may have generations."""
+
 _KIND = "growth"
 _PARTICLE = "particle"
 _GROUPS = ("growth", "field")
@@ -41,13 +44,15 @@ class Growth:
     Raises
     ------
     InputError
-        If the file could not be written, or there are fewer than 0 frames.
+        If the file could not be written, or there are not 0 to `MOST_FRAMES` frames.
     """
 
     def __init__(self, path: str | Path | None = None, frames: int = 0) -> None:
         self.path = None if path is None else Path(path)
-        if frames < 0:
-            raise InputError(f"frames is {frames}; it takes 0 or more")
+        if not 0 <= frames <= MOST_FRAMES:
+            raise InputError(
+                f"frames is {frames}; it takes 0 to {MOST_FRAMES}, one for each generation at the most"
+            )
         if self.path is not None and (self.path.is_dir() or not self.path.absolute().parent.is_dir()):
             raise InputError(f"{self.path}: the growth needs the name of a file in a folder that is there")
         self.frames = frames
@@ -83,10 +88,15 @@ class Growth:
         self._told = json.loads(json.dumps(told))
         if self.path is None or not self.path.exists():
             return None
-        features = load_features(self.path)
+        try:
+            features = load_features(self.path)
+        except InputError as problem:
+            raise InputError(
+                f"{problem}; a growth is written by --growth: name another file, or delete this one to begin anew"
+            ) from None
         if _KIND not in features or "told" not in (features[_KIND].dtype.names or ()):
             raise InputError(
-                f"{self.path}: holds no growth; features of an earlier bake are taken by --features"
+                f"{self.path}: holds features of a bake, but no growth that could go on; --features takes those"
             )
         try:
             told = json.loads(features[_KIND]["told"].tobytes())
@@ -95,7 +105,7 @@ class Growth:
         other = sorted(key for key in {*told, *self._told} if told.get(key) != self._told.get(key))
         if other:
             raise InputError(
-                f"{self.path}: grew with another {', '.join(other)}; name another file, or delete it to begin anew"
+                f"{self.path}: {_differing(other)}; name another file, or delete this one to begin anew"
             )
         self._done = {kind: table for kind, table in features.items() if kind != _KIND}
         return self._done
@@ -191,6 +201,14 @@ class Growth:
         save_features(memory, {**grown, _KIND: row})
         write_whole(self.path, memory.getvalue())
         return True
+
+
+def _differing(keys: list[str]) -> str:
+    """Say in what a saved growth differs from the one that was asked for."""
+    found = ["grew on another mesh, or a tile of another side"] if "ground" in keys else []
+    if settings := [key for key in keys if key != "ground"]:
+        found.append(f"grew with other values of {', '.join(settings)}")
+    return " and ".join(found)
 
 
 def ground_key(surface: Surface) -> str:

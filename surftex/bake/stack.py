@@ -54,6 +54,15 @@ class Stack:
         return tuple(channel for channel in CHANNELS if channel in written)
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the patterns have to say of themselves, each with the layer it is of."""
+        return tuple(
+            f"{_label(self.recipe, i)}: {text}"
+            for i, pattern in enumerate(self.patterns)
+            for text in getattr(pattern, "warnings", ())
+        )
+
+    @property
     def features(self) -> dict[str, NDArray]:
         """Everything placed, by kind; kinds of the second layer are called ``layer2_pore`` and so on."""
         return {

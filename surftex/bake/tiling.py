@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.bake.growing import GROWS, Growth
+from surftex.bake.growth_facts import cell_statistics
 from surftex.bake.stages import Progress, Stages, peak_rss_mb
 from surftex.errors import InputError, RecipeError
 from surftex.recipe.model import Recipe
@@ -94,7 +95,7 @@ def bake_tile(
         "wall_s": stages.wall_s(),
         "peak_rss_mb": peak_rss_mb(),
         "features": feature_counts(tile.features),
-        "warnings": [],
+        "warnings": list(tile.warnings),
         "outputs": {},
     }
     images = {name: page[name] for name in asked}
@@ -122,31 +123,6 @@ def tile_normals(height_mm: NDArray[np.floating], side_mm: float) -> NDArray[np.
     up = (np.roll(height, 1, 0) - np.roll(height, -1, 0)) / twice
     normal = np.stack([-right, -up, np.ones_like(height)], axis=2)
     return (normal / np.linalg.norm(normal, axis=2, keepdims=True)).astype(np.float32)
-
-
-def cell_statistics(table: NDArray[Any]) -> dict[str, float]:
-    """Count the cells of a growth.
-
-    Parameters
-    ----------
-    table : (c,) structured array
-        Features of the kind ``cell``.
-
-    Returns
-    -------
-    statistics : dict of str to float
-        ``count``, ``area_mm2`` (mean), ``area_cv`` (standard deviation over mean), ``triangles`` (share).
-    """
-    corner = table["corner_mm"]
-    onward = np.roll(corner, -1, axis=1)
-    area = 0.5 * (corner[..., 0] * onward[..., 1] - corner[..., 1] * onward[..., 0]).sum(axis=1)
-    mean = float(area.mean()) if len(area) else 0.0
-    return {
-        "count": len(table),
-        "area_mm2": round(mean, 6),
-        "area_cv": round(float(area.std()) / mean, 4) if mean else 0.0,
-        "triangles": round(float((table["sides"] == 3).mean()), 4) if len(table) else 0.0,
-    }
 
 
 def _only_layer(recipe: Recipe) -> Any:

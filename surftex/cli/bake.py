@@ -62,6 +62,9 @@ def run(options: Namespace) -> None:
     elif not options.quiet:
         counts = ", ".join(f"{count:,} {kind}" for kind, count in report["features"].items())
         side, texels, tiles = report["resolution"], report["texels"], report["unwrap"]["tiles"]
+        for cells in report.get("cells", {}).values():
+            counts += (f"; {100 * cells['triangles']:.0f} % of the cells with three sides, their areas vary by "
+                       f"{100 * cells['area_cv']:.0f} %")  # fmt: skip
         several = f" on {len(tiles)} tiles" if len(tiles) > 1 else ""
         out(f"{folder}: {len(paths)} files; {side} x {side}{several}, {texels:,} texels; {counts or 'no features'}; "
             f"{time.perf_counter() - started:.1f} s")  # fmt: skip

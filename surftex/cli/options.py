@@ -522,7 +522,11 @@ def _render(parser: Parser) -> None:
 
 def _frames(parser: Parser) -> None:
     parser.add_argument(
-        "--frames", type=_whole, metavar="N", default=0, help="draw the growth of cells in N pictures as well"
+        "--frames",
+        type=_whole,
+        metavar="N",
+        default=0,
+        help="draw the growth of cells in N pictures as well, at most 2000",
     )
 
 

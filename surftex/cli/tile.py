@@ -5,7 +5,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from surftex.cli.bake import exchange_settings, frames_of
-from surftex.cli.say import out
+from surftex.cli.say import note, out
 from surftex.cli.watch import ColdWatch
 from surftex.errors import RecipeError
 
@@ -57,6 +57,9 @@ def run(options: Namespace) -> None:
         )  # fmt: skip
     store.mark_warm("tile")
     report = json.loads((folder / "report.json").read_text("utf-8"))
+    if not options.quiet:
+        for warning in report["warnings"]:
+            note(f"warning: {warning}")
     if options.json:
         out(json.dumps(report, indent=1, ensure_ascii=False))
     elif not options.quiet:

@@ -92,7 +92,9 @@ def load_features(path: str | Path, *, max_bytes: int = MAX_BYTES) -> dict[str, 
                 result[kind] = _read(f"{path}: {entry.filename}", kind, archive, entry)
             return result
     except (zipfile.BadZipFile, OSError, EOFError, RuntimeError, NotImplementedError) as problem:
-        raise InputError(f"{path}: no features file: {_line(problem)}") from None
+        raise InputError(
+            f"{path}: is no features file, such as features.npz of a bake: {_line(problem)}"
+        ) from None
 
 
 def _read(where: str, kind: str, archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:

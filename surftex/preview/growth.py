@@ -11,18 +11,21 @@ from surftex.bake.growing import GROWS, Growth
 from surftex.bake.pages import bake_pages
 from surftex.bake.saving import More
 from surftex.bake.stack import Stack
-from surftex.bake.stages import Progress
+from surftex.bake.stages import Progress, Stages
 from surftex.bake.tiling import tile_normals
 from surftex.files.images import png_bytes
 from surftex.kernels.pool import Tick
 from surftex.maps.mapset import MapSet
 from surftex.materials.cells.growing import GrowthPattern, tile_growth
 from surftex.materials.cells.model import Cells
-from surftex.preview.render import render
+from surftex.preview.render import Shot
 from surftex.recipe.model import Recipe
 
 SIZE = (800, 600)
 """Pixels of a frame."""
+
+SAMPLES = 1
+"""Along each side of a pixel: what is seen small and moving needs no more."""
 
 RESOLUTION = 768
 """Side of the page in which the particles of a frame are drawn."""
@@ -76,7 +79,7 @@ def growth_frames(
     tick : callable, optional
         Told the finished share.
     **view : Any
-        As for `surftex.preview.render.render`.
+        As for `surftex.preview.render.render`; camera and lamps are set up once.
 
     Yields
     ------
@@ -84,6 +87,7 @@ def growth_frames(
         Young particles are pale, what lies deep is dark.
     """
     tile, side = maps.report.get("tile"), resolution or RESOLUTION
+    shot: Shot | None = None
     for number, (_, features) in enumerate(seen):
         if tile is not None:
             images = dict(tile_growth(features["particle"], cells.law, tile["side_mm"], side))
@@ -95,7 +99,9 @@ def growth_frames(
                 maps.surface, maps.atlas, Stack((pattern,), (None,)), side,
                 ("base_color", "roughness", "normal"), threads=threads,
             ).images  # fmt: skip
-        yield render(MapSet(images, maps.surface, maps.atlas, maps.tangents, stem=maps.stem), **view)
+        subject = MapSet(images, maps.surface, maps.atlas, maps.tangents, stem=maps.stem)
+        shot = shot or Shot.of(subject, **view)
+        yield shot.drawn(subject)
         if tick is not None:
             tick((number + 1) / len(seen))
 
@@ -132,18 +138,17 @@ def frames_to_write(
     if not states:
         return None
     material: Any = next(layer.material for layer in recipe.layer if layer.kind in GROWS)
-    view: dict[str, Any] = {"size": SIZE}
+    view: dict[str, Any] = {"size": SIZE, "samples": SAMPLES}
     if "tile" in maps.report:
-        view = {"size": (SIZE[1], SIZE[1]), "view": "front", "light": "raking", "zoom": 1.06, "floor": False}
+        view |= {"size": (SIZE[1], SIZE[1]), "view": "front", "light": "raking", "zoom": 1.06, "floor": False}
     names = frame_names(maps.stem, len(states))
 
     def write(workplace: Path) -> None:
-        told = progress or (lambda stage, share: None)
-        told("frames", 0.0)
-        pictures = growth_frames(
-            maps, material, states, threads=threads, tick=lambda share: told("frames", share), **view
-        )
-        for name, picture in zip(names, pictures, strict=True):
-            (workplace / name).write_bytes(png_bytes(picture))
+        stages = Stages(progress)
+        with stages.stage("frames") as tick:
+            pictures = growth_frames(maps, material, states, threads=threads, tick=tick, **view)
+            for name, picture in zip(names, pictures, strict=True):
+                (workplace / name).write_bytes(png_bytes(picture))
+        maps.report["stages"].extend(stages.done)
 
     return names, write

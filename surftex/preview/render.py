@@ -6,6 +6,7 @@ any machine of one kind, and no driver is needed.
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -77,30 +78,118 @@ def render(
     RecipeError
         If an option is none.
     """
-    if samples not in range(1, 9):
-        raise RecipeError(f"samples is {samples}; it takes 1 to 8")
-    if len(size) != 2 or min(size) < 1 or max(size) * samples > 32768:
-        raise RecipeError(f"size is {tuple(size)}; it takes width and height, at most {32768 // samples}")
-    studio, behind = studio_named(light), _color(background)
-    bodies = bodies_of(subject)
+    return Shot.of(
+        subject, size=size, view=view, light=light, zoom=zoom, target=target, background=background, up=up, floor=floor,
+        samples=samples,
+    ).drawn(subject)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A camera that stands and lamps that are lit: draws one shape in whatever colours it comes.
+
+    Attributes
+    ----------
+    size : (2,) int
+        Of the picture, in pixels.
+    samples : int
+        Along each side of a pixel.
+    camera : Camera
+        Where from.
+    face : (h, w) int32
+        What each sample shows; -1 where it is nothing.
+    weight : (h, w, 3) float32
+        Of the face's corners.
+    scene : Lit
+        The lamps.
+    backdrop : (h, w, 3) float32
+        Background and floor, linear.
+    """
+
+    size: tuple[int, int]
+    samples: int
+    camera: Camera
+    face: NDArray[np.int32]
+    weight: NDArray[np.float32]
+    scene: Lit
+    backdrop: NDArray[np.float32]
+
+    @staticmethod
+    def of(
+        subject: Any,
+        *,
+        size: tuple[int, int] = (1280, 960),
+        view: str | tuple[float, float] = "three-quarter",
+        light: str | Studio = "studio",
+        zoom: float = 1.0,
+        target: ArrayLike | None = None,
+        background: str | ArrayLike = "#e9e7e4",
+        up: str = "y",
+        floor: bool | None = None,
+        samples: int = 2,
+    ) -> "Shot":
+        """Aim at a subject.
+
+        Parameters
+        ----------
+        subject : as for `render`
+            What is to be seen.
+        size, view, light, zoom, target, background, up, floor, samples
+            As for `render`.
+
+        Returns
+        -------
+        shot : Shot
+            Ready to draw it.
+
+        Raises
+        ------
+        InputError
+            As `render`.
+        RecipeError
+            As `render`.
+        """
+        if samples not in range(1, 9):
+            raise RecipeError(f"samples is {samples}; it takes 1 to 8")
+        if len(size) != 2 or min(size) < 1 or max(size) * samples > 32768:
+            raise RecipeError(f"size is {tuple(size)}; it takes width and height, at most {32768 // samples}")
+        studio, behind = studio_named(light), _color(background)
+        vertices, faces = _joined(bodies_of(subject))
+        seen = np.unique(faces)
+        fine = (size[0] * samples, size[1] * samples)
+        camera = camera_for(vertices[seen], fine, view=view, zoom=zoom, target=target, up=up)
+        face, weight = _visible(camera.project(vertices)[faces], fine)
+        around = _facing(vertices, faces, face, camera) if studio.grazes else camera.axes
+        scene = lit(vertices, faces, studio, lamps_of(studio, around, UPS[up]), UPS[up])
+        backdrop = np.broadcast_to(behind, (*face.shape, 3)).astype(np.float32).copy()
+        if floor if floor is not None else (zoom <= 1.5 and camera.axes[2] @ UPS[up] > 0.02):
+            _stand(backdrop, face, scene, camera, float((vertices[seen] @ UPS[up]).min()))
+        return Shot(size, samples, camera, face, weight, scene, backdrop)
+
+    def drawn(self, subject: Any) -> NDArray[np.uint8]:
+        """Draw the subject, or another of the same shape.
+
+        Parameters
+        ----------
+        subject : as for `render`
+            With the triangles of the one that was aimed at.
+
+        Returns
+        -------
+        picture : (height, width, 3) uint8
+            sRGB codes.
+        """
+        picture = self.backdrop.copy()
+        _paint(picture, self.face, self.weight, bodies_of(subject), self.scene, self.camera)
+        width, height = self.size
+        return _codes(picture.reshape(height, self.samples, width, self.samples, 3).mean(axis=(1, 3)))
+
+
+def _joined(bodies: list[Body]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices and faces of all bodies."""
     start = np.cumsum([0] + [len(body.vertices) for body in bodies])
-    vertices = np.concatenate([body.vertices for body in bodies])
-    faces = np.concatenate([body.faces + at for body, at in zip(bodies, start[:-1], strict=True)]).astype(
-        np.int32
-    )
-    seen = np.unique(faces)
-    fine = (size[0] * samples, size[1] * samples)
-    camera = camera_for(vertices[seen], fine, view=view, zoom=zoom, target=target, up=up)
-    face, weight = _visible(camera.project(vertices)[faces], fine)
-    around = _facing(vertices, faces, face, camera) if studio.grazes else camera.axes
-    scene = lit(vertices, faces, studio, lamps_of(studio, around, UPS[up]), UPS[up])
-    picture = np.broadcast_to(behind, (*face.shape, 3)).astype(np.float32).copy()
-    if floor if floor is not None else (zoom <= 1.5 and camera.axes[2] @ UPS[up] > 0.02):
-        _stand(picture, face, scene, camera, float((vertices[seen] @ UPS[up]).min()))
-    _paint(picture, face, weight, bodies, scene, camera)
-    width, height = size
-    linear = picture.reshape(height, samples, width, samples, 3).mean(axis=(1, 3))
-    return _codes(linear)
+    faces = [body.faces + at for body, at in zip(bodies, start[:-1], strict=True)]
+    return np.concatenate([body.vertices for body in bodies]), np.concatenate(faces).astype(np.int32)
 
 
 def render_file(

@@ -102,6 +102,25 @@ def test_a_picture_drives_particles_from_where_it_is_bright(tmp_path):
     assert dark.sum() > 1.15 * ((plain > 8) & (plain < 16)).sum()
 
 
+def test_a_potential_that_does_not_repeat_is_said(tmp_path):
+    ramp = np.tile(np.linspace(0, 255, 64), (64, 1)).astype(np.uint8)
+    Image.fromarray(ramp).save(tmp_path / "ramp.png")
+    fields = {"ramp": {"image": str(tmp_path / "ramp.png")}}
+    (said,) = bake_tile(recipe(fields, potential="ramp", generations=10), 24.0).report["warnings"]
+    assert "'ramp' does not repeat: it differs at left and right by 0.9" in said
+    waves = "0.5 + 0.5 * sin(0.2617993878 * x)"
+    assert bake_tile(recipe(potential=waves, generations=10), 24.0).report["warnings"] == []
+
+
+def test_wrinkles_that_were_asked_for_and_are_not_there_are_said():
+    (said,) = bake_tile(recipe(wrinkle_density=0.01, generations=10), 20.0).report["warnings"]
+    assert (
+        "no wrinkle was placed: 0.004 were asked for (wrinkle_density is per 1000 mm^2, and there are 400"
+        in said
+    )
+    assert bake_tile(recipe(wrinkle_density=10, generations=20), 20.0).report["warnings"] == []
+
+
 def test_what_is_no_tile_is_refused_in_a_line():
     two = Recipe.model_validate({"layer": [LAYER, LAYER]})
     with pytest.raises(InputError, match="a tile takes one layer; this recipe has 2"):
@@ -123,7 +142,7 @@ def test_threads_change_no_byte_and_a_tile_goes_on(tmp_path):
     two = bake_tile(recipe(), 18.0, threads=2, growth=Growth(growth))
     for name in one:
         np.testing.assert_array_equal(one[name], two[name])
-    with pytest.raises(InputError, match="grew with another ground"):
+    with pytest.raises(InputError, match="grew on another mesh, or a tile of another side"):
         bake_tile(recipe(), 21.0, growth=Growth(growth))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surftex.bake.tiling import cell_statistics
+from surftex.bake.growth_facts import cell_statistics
 from surftex.features.cells_surface import surface_triangles
 from surftex.features.growth_law import GrowthLaw
 from surftex.features.growth_plane import PlaneGround

@@ -74,8 +74,21 @@ def test_ground_closes_from_frame_to_frame():
     assert next(pictures).shape == (40, 40, 3)
 
 
+def test_the_camera_is_set_up_once_for_all_frames(monkeypatch):
+    growth, aims = Growth(frames=3), []
+    maps = bake_tile(Recipe.of(CELLS, resolution=32), 20.0, growth=growth)
+    options = {"size": (30, 20), "view": "front"}
+    first = list(frames.growth_frames(maps, CELLS, growth.states[1:], resolution=48, **options))
+    aim = frames.Shot.of
+    monkeypatch.setattr(frames.Shot, "of", staticmethod(lambda *a, **k: aims.append(1) or aim(*a, **k)))
+    again = list(frames.growth_frames(maps, CELLS, growth.states, resolution=48, **options))
+    assert len(aims) == 1
+    np.testing.assert_array_equal(first[-1], again[-1])
+    assert (again[0] != again[-1]).any()
+
+
 def test_frames_are_written_with_the_rest(tmp_path, monkeypatch):
-    monkeypatch.setattr(frames, "render", lambda maps, **view: np.zeros((2, 3, 3), np.uint8))
+    monkeypatch.setattr(frames, "SIZE", (40, 30))
     monkeypatch.setattr(frames, "RESOLUTION", 64)
     recipe = Recipe.of(CELLS, resolution=32, maps=("height",), unwrapper="uvunwrap")
     growth = Growth(frames=2)
@@ -85,8 +98,12 @@ def test_frames_are_written_with_the_rest(tmp_path, monkeypatch):
     assert {path.name for path in paths} >= set(names)
     report = json.loads((tmp_path / "ball" / "report.json").read_text("utf-8"))
     assert set(report["outputs"]) >= set(names)
+    assert [stage["name"] for stage in report["stages"]].count("frames") == 1
+    assert report["cells"]["cell"]["count"] == len(baked.maps.features["cell"])
+    assert 0 < report["cells"]["cell"]["area_cv"] < 1.5
+    assert 0 < report["cells"]["cell"]["triangles"] < 1
     growth = Growth(frames=1)
     tile = bake_tile(recipe, 20.0, growth=growth)
-    paths = save_maps(tile, tmp_path / "tile", more=frames.frames_to_write(tile, recipe, growth))
+    paths = save_maps(tile, tmp_path / "tile", recipe.bake, more=frames.frames_to_write(tile, recipe, growth))
     assert "tile_growth_0001.png" in {path.name for path in paths}
     assert frames.frames_to_write(tile, recipe, Growth()) is None

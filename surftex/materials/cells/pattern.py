@@ -21,6 +21,7 @@ from surftex.geodesics.records import Records
 from surftex.geodesics.windows import flood_points, within
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.relief import Place, WrinklePlace, layers
+from surftex.materials.cells.skeleton import no_wrinkles
 from surftex.materials.layers import Layers
 from surftex.randomness import stream
 from surftex.surface.points import Samples, SurfacePoints
@@ -135,6 +136,11 @@ class CellsPattern:
             cells, surface, MappingProxyType(dict(features)), planes, outline(cells, planes, seed, threads), records,
             wrinkles, seed,
         )  # fmt: skip
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the reader of a report should know."""
+        return no_wrinkles(self.cells, self.surface.area_mm2, self.features)
 
     def at(self, samples: Samples) -> Layers:
         """Evaluate at samples.

@@ -485,3 +485,29 @@ def wrinkle_count(cells: Cells, area_mm2: float, seed: int) -> int:
     """
     draw = float(stream(seed, "cells", "wrinkle count").uniform(1)[0, 0])
     return cells.wrinkle_count + int(draw + cells.wrinkle_density * area_mm2 / 1000)
+
+
+def no_wrinkles(cells: Cells, area_mm2: float, features: Mapping[str, NDArray]) -> tuple[str, ...]:
+    """Warn where wrinkles were asked for and there are none.
+
+    Parameters
+    ----------
+    cells : Cells
+        Number and density.
+    area_mm2 : float
+        Of the ground.
+    features : mapping of str to structured array
+        What was placed.
+
+    Returns
+    -------
+    warnings : tuple of str
+        One, or none.
+    """
+    wanted = cells.wrinkle_count + cells.wrinkle_density * area_mm2 / 1000
+    if wanted <= 0 or len(features.get("wrinkle", ())):
+        return ()
+    return (
+        f"no wrinkle was placed: {wanted:.2g} were asked for (wrinkle_density is per 1000 mm^2, and there are "
+        f"{area_mm2:,.0f} mm^2); raise wrinkle_density or wrinkle_count",
+    )

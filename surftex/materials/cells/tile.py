@@ -20,7 +20,15 @@ from surftex.kernels.pool import PartTick, Tick, slices
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.pattern import CHANNELS, cell_numbers, located, outline, wrinkle_left
 from surftex.materials.cells.relief import WrinklePlace, layers
-from surftex.materials.cells.skeleton import CELL, checked_ratio, chosen, grown, particle_table, particles_of
+from surftex.materials.cells.skeleton import (
+    CELL,
+    checked_ratio,
+    chosen,
+    grown,
+    no_wrinkles,
+    particle_table,
+    particles_of,
+)
 from surftex.materials.cells.tile_fields import tile_direction, tile_push
 from surftex.materials.cells.tile_wrinkles import nearest_wrinkle, tile_wrinkles
 from surftex.materials.layers import Layers
@@ -47,6 +55,8 @@ class CellsTile:
         ``particle``, to go on from, ``cell`` and ``wrinkle``.
     centre_mm : (c, 2) float64
         Of the cells.
+    warnings : tuple of str
+        What its reader should know.
     """
 
     cells: Cells
@@ -56,6 +66,7 @@ class CellsTile:
     planes: CellPlanes
     outlines: Outlines
     seed: int
+    warnings: tuple[str, ...] = ()
 
     channels = CHANNELS
 
@@ -246,7 +257,8 @@ def make_tile(
         None if name is None else tile_direction(sheet, names.direction(name))
         for name in (cells.direction, cells.stress)
     )
-    ground = PlaneGround(side_mm, size, aspect, direction, tile_push(cells, names, side_mm))
+    push, warnings = tile_push(cells, names, side_mm)
+    ground = PlaneGround(side_mm, size, aspect, direction, push)
     made = dict(features or {})
     start = particles_of(made["particle"]) if "particle" in made else None
     if start is not None and not (start.place < side_mm).all():
@@ -280,4 +292,5 @@ def make_tile(
     if tick is not None:
         tick(1.0)
     outlines: Any = outline(cells, planes, seed, threads)
-    return CellsTile(cells, side_mm, MappingProxyType(made), centre, planes, outlines, seed)
+    warnings += no_wrinkles(cells, side_mm**2, made)
+    return CellsTile(cells, side_mm, MappingProxyType(made), centre, planes, outlines, seed, warnings)

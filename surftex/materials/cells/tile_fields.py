@@ -17,6 +17,9 @@ from surftex.surface.surface import Surface
 GRID = 512
 """Places along a side at which a potential is read."""
 
+_JUMP, _ROOM = 0.05, GRID // 16
+"""Difference of a potential over the tile's border that may pass for rounding and dither, and over how many places."""
+
 
 def sheet_points(sheet: Surface, place: NDArray[np.float64]) -> SurfacePoints:
     """Find places of a tile on its sheet.
@@ -63,7 +66,7 @@ def tile_direction(sheet: Surface, direction: DirectionField) -> Direction:
     return angle
 
 
-def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> Push | None:
+def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> tuple[Push | None, tuple[str, ...]]:
     """Make the force of a potential and a drift.
 
     Parameters
@@ -79,6 +82,8 @@ def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> Push | None:
     -------
     push : callable or None
         ``push(place) -> (n, 3)``; a potential that does not repeat is steep where the tile ends.
+    warnings : tuple of str
+        Whether it does not repeat.
 
     Raises
     ------
@@ -89,13 +94,14 @@ def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> Push | None:
     line = (np.arange(GRID) + 0.5) * step
     place: NDArray[np.float64] = np.stack(np.meshgrid(line, line), axis=2, dtype=np.float64).reshape(-1, 2)
     force = np.zeros((GRID, GRID, 2))
-    found = False
+    found, warnings = False, ()
     if cells.potential is not None and cells.potential_force > 0:
         found = True
         try:
             grey = names.scalar(cells.potential)(sheet_points(names.surface, place)).reshape(GRID, GRID)
         except RecipeError as problem:
             raise RecipeError(f"cells.potential: {problem}") from None
+        warnings = _unlike_borders(grey, cells.potential)
         slope = np.stack([np.roll(grey, -1, k) - np.roll(grey, 1, k) for k in (1, 0)], axis=2) / (2 * step)
         slope *= cells.potential_height * size
         steep = np.sqrt(1 + (slope**2).sum(axis=2, keepdims=True))
@@ -104,7 +110,25 @@ def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> Push | None:
         found = True
         angle = tile_direction(names.surface, names.direction(cells.drift))(place).reshape(GRID, GRID)
         force += cells.drift_force * size * np.stack([np.cos(angle), np.sin(angle)], axis=2)
-    return _between(force, step) if found else None
+    return (_between(force, step) if found else None), warnings
+
+
+def _unlike_borders(grey: NDArray[np.floating], potential: str) -> tuple[str, ...]:
+    """Warn of a potential that jumps from one side of the tile to the other more than anywhere inside."""
+    found = []
+    for axis, sides in ((1, "left and right"), (0, "top and bottom")):
+        # a picture is blended over its borders, so the jump takes some room
+        step = np.abs(np.roll(grey, -_ROOM, axis) - grey)
+        jump = np.take(step, GRID - _ROOM // 2, axis).max()
+        inside = np.take(step, np.arange(GRID - _ROOM), axis).max()
+        if jump > _JUMP + 2 * inside:
+            found.append(f"{sides} by {jump:.2g}")
+    if not found:
+        return ()
+    return (
+        f"cells.potential: {potential!r} does not repeat: it differs at {' and at '.join(found)}, so cells crowd along that "
+        "border of the tile; take a field or a picture whose opposite borders match",
+    )
 
 
 def _between(force: NDArray[np.float64], step: float) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
