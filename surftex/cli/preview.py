@@ -43,6 +43,8 @@ def run(options: Namespace) -> None:
         from surftex.preview.scene import check_display
 
         check_display(off_screen=options.picture is not None)
+    if save_as.exists() and not (options.quiet or options.picture):
+        note(f"note: {save_as} is there, and save replaces it; --out names another")
     desk = _desk(options, recipe)
     try:
         if options.web:

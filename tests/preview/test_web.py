@@ -231,10 +231,13 @@ def test_the_name_of_a_mesh_is_shown_and_not_run(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="requests to end are told otherwise elsewhere")
-def test_the_page_ends_when_asked(meshes):
+def test_the_page_ends_when_asked(meshes, tmp_path):
     command = [sys.executable, "-m", "surftex", "preview", str(meshes / "torus.obj"), "--units", "mm", "--web",
                "--resolution", "64"]  # fmt: skip
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    (tmp_path / "torus-calf.toml").touch()
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    )
     address = process.stdout.readline()
     if not address:
         pytest.skip(f"nothing to draw on: {process.communicate()[1]}")
@@ -242,6 +245,7 @@ def test_the_page_ends_when_asked(meshes):
     process.send_signal(signal.SIGINT)
     said = process.communicate(timeout=60)[1]
     assert process.returncode == 130
+    assert said.splitlines()[0].startswith("surftex: note: torus-calf.toml is there, and save replaces it")
     assert said.splitlines()[-1] == "surftex: the page is closed"
 
 
