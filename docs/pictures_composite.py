@@ -293,16 +293,16 @@ def pebbled():
 
 
 def leather():
-    """A leather's colour, height and roughness; all three drawn together; the whole on a shoe."""
+    """A leather's colour, height and roughness; all three drawn together; the whole on a ring."""
     color, rise, rough = pebbled()
     model = sx.learn_texture(color, height=rise, roughness=rough)
     drawn = model.maps(256, 256, 1)
     rows = [color, rise, rough, drawn["picture"], drawn["height"], drawn["roughness"]]
     with tempfile.TemporaryDirectory() as folder:
         model.save(Path(folder) / "leather.stex")
-        leather = sx.Composite(model=f"{folder}/leather.stex", pixel_size="1 mm", relief="0.7 mm")
-        maps = sx.bake(load(MESHES / "shoe.obj"), leather, resolution=1536, seed=2)
-    shoe = [render(maps, size=(256, 256), zoom=zoom) for zoom in (1, 3, 9)]
+        leather = sx.Composite(model=f"{folder}/leather.stex", pixel_size="0.4 mm", relief="0.3 mm")
+        maps = sx.bake(sx.shapes.torus(36.0, 11.0), leather, resolution=1536, seed=2)
+    ring = [render(maps, size=(256, 256), zoom=zoom) for zoom in (1, 3, 9)]
     names = (
         "colour",
         "height",
@@ -314,7 +314,7 @@ def leather():
         "",
         "",
     )
-    save(contact_sheet([*rows, *shoe], names, columns=3), "textures-leather")
+    save(contact_sheet([*rows, *ring], names, columns=3), "textures-leather")
 
 
 def _with(recipe, resolution):
