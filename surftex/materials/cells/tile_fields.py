@@ -101,7 +101,7 @@ def tile_push(cells: Cells, names: FieldSet, side_mm: float) -> tuple[Push | Non
             grey = names.scalar(cells.potential)(sheet_points(names.surface, place)).reshape(GRID, GRID)
         except RecipeError as problem:
             raise RecipeError(f"cells.potential: {problem}") from None
-        warnings = _unlike_borders(grey, cells.potential)
+        warnings = _unlike_borders(grey, str(cells.potential))
         slope = np.stack([np.roll(grey, -1, k) - np.roll(grey, 1, k) for k in (1, 0)], axis=2) / (2 * step)
         slope *= cells.potential_height * size
         steep = np.sqrt(1 + (slope**2).sum(axis=2, keepdims=True))
