@@ -187,7 +187,7 @@ def _bake(
     settings = recipe.bake
     with stages.stage("load"):
         surface = _surface(subject, recipe)
-        given = _features(features)
+        given = _features(features, settings.max_features)
         fields = make_fields(recipe, surface)
         begun = None if growth is None else growth.begun(recipe, ground_key(surface))
     key = features_key(recipe, surface) if remember and given is None and growth is None else None
@@ -253,11 +253,17 @@ def _surface(subject: Any, recipe: Recipe) -> Surface:
     return load(mesh.path if subject is None else subject, units=mesh.units, size=mesh.size, part=mesh.part)
 
 
-def _features(features: Any) -> Any:
+def _features(features: Any, most: int) -> Any:
+    from surftex.bake.stack import feature_counts
+
     if isinstance(features, (str, os.PathLike)):
         from surftex.files.features import load_features
 
-        return load_features(Path(features))
+        features = load_features(Path(features))
+    if features is not None and (count := sum(feature_counts(features).values())) > most:
+        raise InputError(
+            f"{count:,} features are given, more than the {most:,} that are allowed; raise --max-features"
+        )
     return features
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError
+from surftex.features.curves import curve_pieces
 from surftex.surface.surface import Surface
 
 _ROUNDING = 1e-4
@@ -15,6 +16,9 @@ _LARGEST = 1e7
 
 _LEAST_MM = 1e-6
 """Of sizes that something is divided by."""
+
+_GAP = 1e-2
+"""Of the longest edge around: curves that turn past a vertex leave up to a hundredth of that."""
 
 _SIZES = ("major_mm", "minor_mm", "scale_mm", "diameter_mm", "radius_mm")
 _OF_CURVES = ("end_barycentric", "start_mm", "length_mm")
@@ -69,6 +73,30 @@ def check_given(surface: Surface, features: Mapping[str, NDArray[Any]]) -> None:
         if "curve" in names:
             _refuse((table["curve"] < 0) | (table["curve"] >= len(table)), kind, "curve",
                     f"is none of 0 to {len(table) - 1}")  # fmt: skip
+            _check_curves(surface, kind, table)
+
+
+def _check_curves(surface: Surface, kind: str, table: NDArray[Any]) -> None:
+    """Refuse curves whose pieces do not follow one another, or whose lengths are not what they say."""
+    curve = table["curve"]
+    _refuse(np.diff(curve, prepend=curve[:1]) < 0, kind, "curve", "is less than that of the row before it")
+    pieces = curve_pieces(surface, table)
+    length = pieces.curve_length_mm[curve]
+    rounding = _ROUNDING * (length + surface.mean_edge_mm)
+    other = "; was it placed on another mesh, or in another size?"
+    for name, true, what in (
+        ("start_mm", pieces.start_mm, "is not the length of its curve before it"),
+        ("length_mm", length, "is not the length of its curve"),
+    ):
+        _refuse(np.abs(table[name] - true) > rounding, kind, name, what + other)
+    edge = surface.edge_length[table["face"]].max(axis=1)
+    apart = (
+        pieces.points(surface, 0.0).positions(surface)[1:]
+        - pieces.points(surface, 1.0).positions(surface)[:-1]
+    )
+    beyond = np.linalg.norm(apart, axis=1) > _GAP * np.maximum(edge[1:], edge[:-1])
+    _refuse(np.append(False, beyond & (np.diff(curve) == 0))[-len(curve):], kind, "barycentric",
+            f"is not where the piece before it ends{other}")  # fmt: skip
 
 
 def _refuse(wrong: NDArray[np.bool_], kind: str, name: str, what: str) -> None:

@@ -5,8 +5,11 @@ import pytest
 
 import surftex as sx
 from surftex.errors import InputError
+from surftex.features.curves import curve_table
 from surftex.features.given import check_given
-from surftex.surface.shapes import sphere
+from surftex.geodesics.tracing import trace
+from surftex.surface.points import SurfacePoints
+from surftex.surface.shapes import plane, sphere, torus
 
 BALL = sphere(10.0, subdivisions=2)
 WRONG = {
@@ -40,6 +43,74 @@ def test_a_row_that_cannot_be_is_named(column, value, says):
         check_given(BALL, {"cell": table})
 
 
+def curves(surface, number=3):
+    """A way of ten pieces or more for each number."""
+    angle = np.linspace(0.1, 1.5, number)
+    start = SurfacePoints(np.arange(number), np.full((number, 3), 1 / 3))
+    return curve_table(surface, trace(surface, start, angle, np.full(number, 30.0)).pieces)
+
+
+def swapped(table):
+    table["face"][3] = table["face"][0]
+
+
+def one(table):
+    table["curve"] = 0
+
+
+def falling(table):
+    table["curve"] = table["curve"][::-1]
+
+
+def put(column, value):
+    def change(table):
+        table[column][3] = value
+
+    return change
+
+
+CURVES = {
+    "a negative length": (put("length_mm", -1.0), "length_mm of row 3 is not the length of its curve"),
+    "no length": (put("length_mm", 0.0), "length_mm of row 3"),
+    "a start far beyond": (
+        put("start_mm", 1e7),
+        "start_mm of row 3 is not the length of its curve before it",
+    ),
+    "all one curve": (one, "start_mm of row"),
+    "numbers that fall": (falling, "curve of row .* is less than that of the row before it"),
+    "another face": (swapped, "of row .*; was it placed on another mesh"),
+    "the other way": (lambda t: t["barycentric"][:3].__setitem__(slice(None), 1 / 3), "of row"),
+}
+
+
+@pytest.mark.parametrize(("change", "says"), CURVES.values(), ids=CURVES)
+def test_a_curve_that_cannot_be_is_named(change, says):
+    table = curves(BALL)
+    check_given(BALL, {"wrinkle": table})
+    change(table)
+    with pytest.raises(InputError, match=says):
+        check_given(BALL, {"wrinkle": table})
+
+
+def test_a_piece_moved_aside_with_its_length_kept_is_named():
+    sheet = plane(20.0)
+    table = curves(sheet)
+    alike = np.isclose(sheet.flat, sheet.flat[table["face"][4]]).all(axis=(1, 2))
+    table["face"][4] = np.flatnonzero(alike)[-1]
+    with pytest.raises(
+        InputError, match=r"wrinkle: barycentric of row [45] is not where the piece before it ends"
+    ):
+        check_given(sheet, {"wrinkle": table})
+
+
+@pytest.mark.parametrize("surface", [BALL, plane(20.0), torus(10.0, 3.0)], ids=["ball", "plane", "torus"])
+def test_what_was_placed_can_be_given(surface):
+    leather = sx.Leather(cell_size=3.0, wrinkle_count=9, wrinkle_length=15.0, invasion=0.8)
+    skin = sx.Skin(wrinkle_count=9, wrinkle_length=(0.5, 30.0), vessel_count=9, vessel_length=3.0)
+    for material in (leather, skin):
+        check_given(surface, material.place(surface, seed=5).features)
+
+
 def test_other_types_and_missing_columns_are_refused():
     for away in ("face", "barycentric", "length_mm"):
         table = rows()
@@ -57,5 +128,10 @@ def test_features_of_another_mesh_are_a_line():
     given = leather.place(sphere(10.0, subdivisions=3)).features
     with pytest.raises(InputError, match="none of the 320 faces of this mesh; was it placed on another"):
         sx.bake(BALL, leather, resolution=16, maps="height", features=given)
+    given = leather.place(BALL).features
+    with pytest.raises(InputError, match="hold no cell"):
+        sx.bake(BALL, leather, resolution=16, maps="height", features={"cell": given["cell"][:0]})
+    with pytest.raises(InputError, match=r"features are given, more than the 10 that are allowed"):
+        sx.bake(BALL, leather, resolution=16, maps="height", features=given, max_features=10)
     with pytest.raises(InputError, match="do not fit skin"):
         sx.bake(BALL, sx.Skin(freckle_count=1), resolution=16, maps="height", features={"freckle": rows()})

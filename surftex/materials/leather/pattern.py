@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.errors import RecipeError
 from surftex.features.curves import curve_pieces
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
@@ -111,7 +112,16 @@ class LeatherPattern:
         -------
         pattern : LeatherPattern
             Ready to answer.
+
+        Raises
+        ------
+        RecipeError
+            If there is no cell.
         """
+        if len(features["cell"]) == 0:
+            raise RecipeError(
+                "the features hold no cell, and leather is made of cells; were they placed by another recipe?"
+            )
         curves, points = {}, {}
         for kind, width in (
             ("crack", leather.sulcus_width),
