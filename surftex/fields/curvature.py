@@ -72,7 +72,8 @@ def mean_curvature(surface: Surface, radius_mm: float) -> NDArray[np.float64]:
     stiffness = diags_array(link.sum(axis=1)) - link
     area = np.bincount(surface.faces.ravel(), np.repeat(surface.face_area_mm2 / 3, 3), minlength=count)
     bend = 0.5 * np.einsum("vi,vi->v", stiffness @ surface.vertices, surface.vertex_normal)
-    bend[surface.on_border] = 0.0
+    bend[surface.on_border | (area == 0)] = 0.0
+    area[area == 0] = 1.0  # vertices of no face: they bend nowhere
     diffusion = (diags_array(area) + 0.5 * radius_mm**2 * stiffness).tocsr()
     inverse = diags_array(1 / diffusion.diagonal())
     with one_blas_thread():

@@ -91,6 +91,14 @@ def test_mean_curvature_of_a_ball_is_one_over_its_radius(radius_mm):
     assert worst[1] < worst[0]
 
 
+def test_vertices_of_no_face_change_no_curvature():
+    ball = sphere(20.0, subdivisions=2)
+    more = Surface.from_arrays(np.concatenate([ball.vertices, [[0.0, 0.0, 0.0]]]), ball.faces)
+    curvature = mean_curvature(more, 3.0)
+    np.testing.assert_allclose(curvature[:-1], mean_curvature(ball, 3.0), rtol=1e-4)
+    assert curvature[-1] == 0
+
+
 def test_convex_and_concave_tell_the_outside_of_a_torus_from_its_hole():
     surface = torus(30.0, 12.0)
     points = random_points(surface, 300)
