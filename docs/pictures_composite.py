@@ -302,7 +302,11 @@ def leather():
         model.save(Path(folder) / "leather.stex")
         leather = sx.Composite(model=f"{folder}/leather.stex", pixel_size="0.4 mm", relief="0.3 mm")
         maps = sx.bake(sx.shapes.torus(36.0, 11.0), leather, resolution=1536, seed=2)
-    ring = [render(maps, size=(256, 256), zoom=zoom) for zoom in (1, 3, 9)]
+    top = (0.0, 36.0, 8.0)
+    ring = [
+        render(maps, size=(256, 256), zoom=zoom, up="y", view=(20, 15), target=top if zoom > 1 else None)
+        for zoom in (1, 2.5, 6)
+    ]
     names = (
         "colour",
         "height",
