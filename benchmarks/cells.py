@@ -98,7 +98,9 @@ def main() -> None:
             print(f"{name:28s} {value:8.2f}, goal {most:g}: {'met' if value <= most else 'NOT met'}")
     for name in Cells.presets():
         cells = Cells.preset(name)
-        tile = Cells.preset(name, wrinkle_density=0.0).tile(48.0 * float(cells.cell_size) / 1.6, SEED)
+        tile = Cells.preset(name, wrinkle_density=0.0, wrinkle_potential=0.0).tile(
+            48.0 * float(cells.cell_size) / 1.6, SEED
+        )
         what = cell_statistics(tile.features["cell"])
         print(
             f"{name:28s} {what['count'] / tile.side_mm**2 * float(cells.cell_size) ** 2:.2f} cells per square of the size, "

@@ -29,6 +29,15 @@ _PARTICLE = "particle"
 _GROUPS = ("growth", "field")
 _MORE_KEYS = ("kind", "cell_size", "cell_ratio", "direction")
 _FREE_KEYS = ("generations",)
+_CREASE_KEYS = (
+    "stress",
+    "wrinkle_count",
+    "wrinkle_density",
+    "wrinkle_length",
+    "wrinkle_angle",
+    "wrinkle_potential",
+)
+"""Of wrinkles that drive the growth."""
 
 
 class Growth:
@@ -251,6 +260,7 @@ def _grown_by(recipe: Recipe) -> dict[str, Any]:
         for key, info in type(layer.material).model_fields.items():
             extra = info.json_schema_extra
             group = extra.get("group") if isinstance(extra, dict) else None
-            if (group in _GROUPS or key in _MORE_KEYS) and key not in _FREE_KEYS:
+            driven = key in _CREASE_KEYS and getattr(layer.material, "wrinkle_potential", 0) > 0
+            if (group in _GROUPS or key in _MORE_KEYS or driven) and key not in _FREE_KEYS:
                 found[f"{prefix}{key}"] = values[key]
     return found

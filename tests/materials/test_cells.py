@@ -228,6 +228,36 @@ def test_drawn_wrinkles_lie_over_the_cells_and_may_drive_them(ball, tmp_path):
         Cells(wrinkle_curves="ring").tile(30.0)
 
 
+def test_wrinkles_that_are_laid_first_drive_the_growth(ball):
+    from surftex.features.curves import curve_pieces
+    from surftex.fields.distances import distance_field
+
+    given = {
+        "cell_size": 1.5,
+        "generations": 60,
+        "wrinkle_count": 3,
+        "wrinkle_length": 30,
+        "wrinkle_depth": 0.4,
+    }
+    driving = {"wrinkle_potential": 1.0, "potential_height": 8, "potential_force": 0.05}
+    driven = Cells(**given, **driving).place(ball, 2)
+    unmoved = Cells(**given, **{**driving, "potential_force": 0.0}).place(ball, 2)
+    np.testing.assert_array_equal(driven.features["wrinkle"], unmoved.features["wrinkle"])
+    assert len(np.unique(driven.features["wrinkle"]["curve"])) == 3
+    away = distance_field(ball, curve_pieces(ball, driven.features["wrinkle"]))
+    near = [
+        (away(SurfacePoints.trusted(table["face"], table["barycentric"])) < 1.2).mean()
+        for table in (driven.features["particle"], unmoved.features["particle"])
+    ]
+    assert near[0] < 0.75 * near[1]
+    samples = samples_of(ball)
+    line = away(samples.points) < 0.15
+    height = driven.at(samples)["height_mm"]
+    assert height[line].mean() < height[~line].mean() - 0.05
+    with pytest.raises(RecipeError, match="wrinkles that drive the growth need a mesh"):
+        Cells(wrinkle_potential=0.5, wrinkle_count=1).tile(30.0)
+
+
 @pytest.mark.parametrize(("force", "drop"), [(0.02, 0.3), (0.06, 1.0)])
 def test_a_potential_drives_particles_away(ball, force, drop):
     layer = {"material": "cells", "cell_size": 2.0, "potential": "top", "potential_force": force}

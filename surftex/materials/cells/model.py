@@ -134,6 +134,11 @@ class Cells(BaseModel):
     wrinkle_curves: str | None = _field(
         None, "wrinkles", "Curves of the recipe to draw as wrinkles, with their own width and depth."
     )
+    wrinkle_potential: Share = _field(
+        0.0,
+        "wrinkles",
+        "Potential on wrinkles; above 0 they are laid before the growth, as on leather, and drive particles off.",
+    )
     wrinkle_taper: Length = _field(6.0, "wrinkles", "Length over which a wrinkle runs out at its ends.")
 
     grain_height: Length = _field(0.004, "grain", "Rise of the finest bumps.")

@@ -91,7 +91,8 @@ def place(
         By kind; each row has `face` and `barycentric`.
     """
     names = fields or FieldSet(surface)
-    ground = ground_of(cells, surface, names)
+    creases = _creases(cells, surface, seed, names, threads)
+    ground = ground_of(cells, surface, names, creases)
     start = None if features is None or "particle" not in features else particles_of(features["particle"])
     if start is not None and len(start) and int(start.face.max()) >= len(surface.faces):
         raise RecipeError(
@@ -114,7 +115,9 @@ def place(
         regions = paired(corners.triangles, share=cells.quads, most_rad=np.radians(cells.squareness))
         planes, centre = surface_cells(surface, regions, corners, top.scale, threads=threads)
         made["cell"] = cell_table(planes, centre, np.where(regions < len(top), regions, -1))
-        lines = _wrinkles(cells, surface, seed, names, points, regions, threads)
+        lines = creases
+        if lines is None:
+            lines = _wrinkles(cells, surface, seed, names, points, regions, threads)
         if cells.wrinkle_curves is not None:
             drawn = names.curves(cells.wrinkle_curves).copy()
             drawn["curve"] += int(lines["curve"].max(initial=-1)) + 1
@@ -128,7 +131,9 @@ def place(
     return made
 
 
-def ground_of(cells: Cells, surface: Surface, names: FieldSet) -> SurfaceGround:
+def ground_of(
+    cells: Cells, surface: Surface, names: FieldSet, creases: NDArray | None = None
+) -> SurfaceGround:
     """Describe what particles grow on.
 
     Parameters
@@ -139,6 +144,8 @@ def ground_of(cells: Cells, surface: Surface, names: FieldSet) -> SurfaceGround:
         Where.
     names : FieldSet
         Named numbers and directions.
+    creases : (p,) structured array, optional
+        Wrinkles that drive particles away.
 
     Returns
     -------
@@ -151,7 +158,8 @@ def ground_of(cells: Cells, surface: Surface, names: FieldSet) -> SurfaceGround:
         direction = names.direction(cells.direction)
     elif cells.cell_ratio != 1.0:
         direction = DirectionField.smoothest(surface)
-    return SurfaceGround(surface, size, ratio, direction, _force(cells, surface, names, size))
+    potential = _potential(cells, surface, names, size, creases)
+    return SurfaceGround(surface, size, ratio, direction, _force(cells, surface, names, size, potential))
 
 
 def grown(
@@ -397,16 +405,52 @@ def _middles(surface: Surface) -> SurfacePoints:
     return SurfacePoints.trusted(np.arange(count, dtype=np.int32), np.full((count, 3), 1 / 3))
 
 
-def _force(
-    cells: Cells, surface: Surface, names: FieldSet, size: float | Callable[[SurfacePoints], NDArray]
-) -> Callable[[SurfacePoints], NDArray[np.float64]] | None:
-    """Force of potential and drift at points, in space."""
-    potential = None
-    if cells.potential is not None and cells.potential_force > 0:
+def _creases(
+    cells: Cells, surface: Surface, seed: int, names: FieldSet, threads: int | None
+) -> NDArray | None:
+    """Wrinkles that are there before the growth; None where wrinkles come after it."""
+    if cells.wrinkle_potential <= 0:
+        return None
+    from surftex.materials.cells.creases import laid_creases
+
+    size = _usual(_number(names, cells.cell_size, "cell_size"), surface)
+    table = laid_creases(cells, surface, seed, names, size, threads)
+    as_material = np.zeros(len(table), [*table.dtype.descr, ("width_mm", "f8"), ("depth_mm", "f8")])
+    for name in table.dtype.names or ():
+        as_material[name] = table[name]
+    return as_material
+
+
+def _usual(size: float | Callable[[SurfacePoints], NDArray], surface: Surface) -> float:
+    return float(np.median(size(_middles(surface)))) if callable(size) else float(size)
+
+
+def _potential(
+    cells: Cells, surface: Surface, names: FieldSet, size: float | Callable[[SurfacePoints], NDArray],
+    creases: NDArray | None,
+) -> Callable[[SurfacePoints], NDArray] | None:  # fmt: skip
+    """Potential of the material's own expression, and of creases, whichever is higher."""
+    own = None
+    if cells.potential_force <= 0:
+        return None
+    if cells.potential is not None:
         try:
-            potential = names.scalar(cells.potential)
+            own = names.scalar(cells.potential)
         except RecipeError as problem:
             raise RecipeError(f"cells.potential: {problem}") from None
+    if creases is None or not len(creases):
+        return own
+    from surftex.materials.cells.creases import crease_potential
+
+    laid = crease_potential(surface, creases, _usual(size, surface), cells.wrinkle_potential)
+    return laid if own is None else lambda points: np.maximum(own(points), laid(points))
+
+
+def _force(
+    cells: Cells, surface: Surface, names: FieldSet, size: float | Callable[[SurfacePoints], NDArray],
+    potential: Callable[[SurfacePoints], NDArray] | None,
+) -> Callable[[SurfacePoints], NDArray[np.float64]] | None:  # fmt: skip
+    """Force of potential and drift at points, in space."""
     drift = names.direction(cells.drift) if cells.drift is not None and cells.drift_force > 0 else None
     if potential is None and drift is None:
         return None

@@ -249,6 +249,10 @@ def make_tile(
         raise RecipeError(
             f"a tile of {side_mm:g} mm is too small for cells of {size:g} mm; it takes {least:g} mm"
         )
+    if cells.wrinkle_potential > 0:
+        raise RecipeError(
+            "cells.wrinkle_potential: wrinkles that drive the growth need a mesh; a tile takes 0, or a potential of its own"
+        )
     if cells.wrinkle_curves is not None:
         raise RecipeError("cells.wrinkle_curves: drawn curves need a mesh; a tile takes wrinkle_count")
     sheet = sheet_of(side_mm) if fields is None else fields.surface
