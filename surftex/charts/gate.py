@@ -1,8 +1,8 @@
 """The gate: what an unwrap must be before a bake uses it, whoever made it; and the choice of an unwrap by it.
 
 Inside 0 to 1; every face has area; nearly all of the surface (99.9 %) stretched at most 4 times and within 4
-times the mean density; no texel in two faces; free texels between charts. Mirrored charts may pass: artists
-draw them, and the tangents' sign takes care of them.
+times the mean density; no texel in two faces; free texels between charts; not next to nothing of the page.
+Mirrored charts may pass: artists draw them, and the tangents' sign takes care of them.
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,9 @@ from surftex.surface.surface import Surface
 
 AREA_SHARE = 0.999
 """Share of the area that the limits of stretch hold for."""
+
+LEAST_COVERAGE = 1e-4
+"""Share of the page that charts cover at least; less is a hundredth of its side."""
 
 GAP_PX = 3
 """Fewest free texels between charts of the file's own: bilinear lookup mixes one and a half from either side."""
@@ -160,7 +163,12 @@ def gate(
             owner = core_faces(page.corner_px(measured), measured, threads=threads)
             coverage += float((owner >= 0).mean()) / len(tiles)
             gap = min(gap, _gap(page, owner) * resolution / measured)
-        if gap < gap_px and not overlapping:
+        if coverage < LEAST_COVERAGE:
+            problems.append(
+                f"charts cover {100 * coverage:.2g} % of the page at {measured} texels; a bake takes "
+                f"{100 * LEAST_COVERAGE:g} % or more"
+            )
+        elif gap < gap_px and not overlapping:
             problems.append(
                 f"charts are only {gap:.1f} texels apart at {resolution} texels; a bake takes {gap_px:g}"
             )
