@@ -5,6 +5,8 @@ lists stay short on a cube of twelve faces too.
 """
 
 from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,9 @@ from surftex.surface.surface import Surface
 
 MOST_CELLS = 1 << 24
 """Cells in all; a finer wish is coarsened."""
+
+_whole_faces: WeakKeyDictionary[Surface, tuple[NDArray[Any], ...]] = WeakKeyDictionary()
+"""Cells of surfaces whose faces are a bucket each: every kind of feature has the same."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +83,10 @@ class Buckets:
             cells[:, 1] = np.maximum(np.ceil(height / side), 1)
         grid = np.column_stack([origin, along, cells[:, 0] / length, cells[:, 1] / height])
         first = np.concatenate([[0], np.cumsum(cells.astype(np.int64).prod(axis=1))])
-        return Buckets(surface, frozen(first), frozen(cells), frozen(grid))
+        made = frozen(first), frozen(cells), frozen(grid)
+        if len(surface.faces) == first[-1]:  # the same for every wish of that size
+            made = _whole_faces.setdefault(surface, made)
+        return Buckets(surface, *made)
 
     def __len__(self) -> int:
         return int(self.first[-1])

@@ -12,9 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, diags_array
 
-from surftex.geodesics.factors import Factors
+from surftex.geodesics.factors import Factors, solved_by_steps
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
+
+FACTORED_VERTICES = 400_000
+"""Vertices up to which the equations of a field are factored; beyond it factors take 4 kB a vertex and more."""
 
 _LEAST_WEIGHT, _MOST_WEIGHT = 1e-2, 1e2
 """Bounds of an edge's weight: 0.58 between equilateral triangles, negative or huge between slivers."""
@@ -220,7 +223,10 @@ class Connection:
             Of any length.
         """
         floor = 1e-9 * self.mass / self.surface.area_mm2
-        return Factors(self.laplacian + diags_array(pull + floor), self.surface.vertices).solve(pull * value)
+        matrix = self.laplacian + diags_array(pull + floor)
+        if len(value) > FACTORED_VERTICES:
+            return solved_by_steps(matrix, pull * value, np.where(pull > 0, value, 0.0))
+        return Factors(matrix, self.surface.vertices).solve(pull * value)
 
     def lowest(self, start: NDArray[np.complex128], *, most: int = 60) -> NDArray[np.complex128]:
         """Smoothest field on each component, by inverse iteration in Krylov spaces (Lanczos [1]_).

@@ -58,6 +58,53 @@ class Factors:
         return result
 
 
+def solved_by_steps(
+    matrix: Any, right: NDArray[Any], start: NDArray[Any], *, tolerance: float = 1e-7, most: int = 3000
+) -> NDArray[Any]:
+    """Solve by conjugate gradients [1]_, where factors would take gigabytes: they grow faster than the mesh.
+
+    Parameters
+    ----------
+    matrix : (n, n) sparse
+        Hermitian, positive.
+    right : (n,) float64 or complex128
+        Of the equation.
+    start : (n,) float64 or complex128
+        A guess.
+    tolerance : float
+        Norm of what is left, over that of the right-hand side.
+    most : int
+        Steps at most; what is found by then is given back.
+
+    Returns
+    -------
+    solution : (n,) float64 or complex128
+        The same for any number of threads.
+
+    References
+    ----------
+    .. [1] Hestenes, Stiefel. Methods of Conjugate Gradients for Solving Linear Systems. J. Res. NBS 49 (1952).
+    """
+    rows = csr_array(matrix)
+    scale = 1 / rows.diagonal().real
+    result = start.astype(right.dtype)
+    left = right - rows @ result
+    along = scale * left
+    level = float((left.conj() * along).real.sum())  # no BLAS: its sums depend on the number of threads
+    enough = tolerance**2 * float((scale * np.abs(right) ** 2).sum())
+    for _ in range(most):
+        if level <= enough:
+            break
+        carried = rows @ along
+        step = level / float((along.conj() * carried).real.sum())
+        result += step * along
+        left -= step * carried
+        before, level = level, float((scale * np.abs(left) ** 2).sum())
+        along *= level / before
+        along += scale * left
+    return result
+
+
 def one_blas_thread() -> AbstractContextManager[Any]:
     """Keep BLAS on one thread: on small blocks several mostly wait, and rounding would depend on their number.
 

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import diags_array
 
 from surftex.errors import SurfaceError
+from surftex.geodesics import connection
 from surftex.geodesics.connection import Connection
 from surftex.geodesics.directions import DirectionField
-from surftex.geodesics.factors import nested_order
+from surftex.geodesics.factors import nested_order, solved_by_steps
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import cylinder, plane, sphere, torus
 from surftex.surface.surface import Surface
@@ -239,3 +241,20 @@ def test_wrong_input_is_named():
         DirectionField.from_strokes(sheet, SurfacePoints(np.zeros(0, int), np.zeros((0, 3))), 0.0)
     with pytest.raises(SurfaceError, match="which"):
         DirectionField.from_curvature(sheet, "most")
+
+
+def test_large_meshes_take_steps_to_the_field_that_factors_give(monkeypatch):
+    """Twin: conjugate gradients beside factors, on a surface whose sides lie far from what pulls."""
+    for shape in (bumpy(4), torus()):
+        factored = DirectionField.from_curvature(shape, symmetry=4).vertex_value
+        monkeypatch.setattr(connection, "FACTORED_VERTICES", 10)
+        stepped = DirectionField.from_curvature(shape, symmetry=4).vertex_value
+        monkeypatch.undo()
+        assert (factored != stepped).any()
+        np.testing.assert_allclose(stepped, factored, atol=2e-4)
+
+
+def test_a_field_that_nothing_pulls_is_left_at_zero_by_steps():
+    matrix = diags_array(np.arange(1.0, 7.0))
+    assert (solved_by_steps(matrix, np.zeros(6, complex), np.zeros(6)) == 0).all()
+    np.testing.assert_allclose(solved_by_steps(matrix, np.ones(6), np.ones(6)), 1 / np.arange(1.0, 7.0))
