@@ -1,0 +1,1 @@
+"""Leather: convex plates parted by furrows, with cracks, wrinkles, pores and crowns."""
