@@ -247,8 +247,7 @@ def fabric():
     """Gingham on a cushion, on a sofa that we make, and on the cover of a real chair; its rows along an axis."""
     pictures = []
     chair = load(shared("chair_sheen.glb"), part="fabric Mystere Mango Velvet")
-    seat = chair.vertices[chair.vertices[:, 1] < chair.vertices[:, 1].mean()]
-    seat = tuple(seat.mean(axis=0) * [1, 0, 1] + [0, seat[:, 1].max(), 0])
+    seat = np.add(chair.origin_mm, (0.0, -100.0, 60.0))
     for surface, pixel, target in (
         (load(MESHES / "cushion.obj"), "1.6 mm", None), (sofa_mesh(), "5 mm", None), (chair, "2.6 mm", seat),
     ):  # fmt: skip
@@ -326,7 +325,8 @@ def _with(recipe, resolution):
 
 
 PICTURES = {
-    each.__name__: each for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric)
+    each.__name__: each
+    for each in (plain, lawn, weave, knitted, landscape, eroded, column, bust, fabric, leather)
 }
 
 
