@@ -26,7 +26,7 @@ from surftex.bake.jobs import (
 from surftex.errors import SurftexError, WorkError
 from surftex.files.output import write_whole
 from surftex.files.workplace import clear_remains
-from surftex.recipe.batch import Batch, Job
+from surftex.recipe.batch import REPORT, Batch, Job
 
 MOST_DEATHS = 2
 """A job whose worker was killed this often, alone on the machine the last time, has failed."""
@@ -351,4 +351,4 @@ def write_report(out: Path, result: BatchResult) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise WorkError(f"{out}: cannot write: {problem.strerror}") from None
-    write_whole(out / "batch-report.json", (json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode())
+    write_whole(out / REPORT, (json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode())

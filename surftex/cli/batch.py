@@ -7,7 +7,7 @@ from typing import Any
 from surftex.bake.batch import BatchResult, JobResult
 from surftex.cli.say import note, out
 from surftex.errors import RecipeError, SurftexError
-from surftex.recipe.batch import Batch, load_batch
+from surftex.recipe.batch import REPORT, Batch, load_batch
 
 
 def run(options: Namespace) -> None:
@@ -61,7 +61,7 @@ def _warm(options: Namespace) -> None:
 
 
 def _sum_up(batch: Batch, result: BatchResult, options: Namespace) -> None:
-    report = batch.out / "batch-report.json"
+    report = batch.out / REPORT
     if options.json:
         out(report.read_text("utf-8").rstrip())
     elif not options.quiet:

@@ -70,8 +70,9 @@ class Ellipses:
         return self.direction.at(points)
 
     def expected_sites(self) -> float:
-        """About how many sites fill the surface."""
-        return SATURATION * self.surface.area_mm2 * float(np.mean(1 / self._product))
+        """About how many sites fill the surface; inf where they are beyond all numbers."""
+        with np.errstate(divide="ignore", over="ignore"):
+            return SATURATION * self.surface.area_mm2 * float(np.mean(1 / self._product))
 
     def cell_mm(self) -> float:
         """Side of buckets that suits the regions."""

@@ -1,6 +1,8 @@
 """`JOBS.toml`: meshes times materials times seeds, and single jobs beside them, as a list of complete recipes."""
 
+import os
 import tomllib
+import unicodedata
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +18,12 @@ from surftex.recipe.hints import nearest
 from surftex.recipe.model import BakeSettings, MeshSettings, Recipe
 from surftex.recipe.read import read_text
 
+REPORT = "batch-report.json"
+"""File beside the folders of the jobs."""
+
 _MOST_JOBS = 1_000_000
+_LONGEST_NAME = 200
+"""Bytes: file systems take 255, and what is hidden beside a folder while it is made has a longer name."""
 
 Words = Annotated[
     tuple[StrictStr, ...], BeforeValidator(lambda value: [value] if isinstance(value, str) else value)
@@ -182,11 +189,20 @@ class _Reader:
         jobs = [*self.product(), *(self.single(i, entry) for i, entry in enumerate(written.job))]
         if not jobs:
             raise RecipeError(f"{self.where(())}no jobs; give meshes and materials, or [[job]] tables")
-        twice = next((name for name, count in Counter(job.name for job in jobs).items() if count > 1), None)
-        if twice is not None:
-            raise RecipeError(
-                f"{self.where(('job',))}two jobs write to {twice!r}; give one of them another out"
-            )
+        taken: dict[str, str] = {}
+        for job in jobs:
+            alike = unicodedata.normalize("NFC", job.name).casefold()
+            if alike in taken:
+                other = taken[alike]
+                both = (
+                    repr(other)
+                    if other == job.name
+                    else f"{other!r} and {job.name!r}, one folder on many disks"
+                )
+                raise RecipeError(
+                    f"{self.where(('job',))}two jobs write to {both}; give one of them another out"
+                )
+            taken[alike] = job.name
         return Batch(tuple(jobs), self.inside(written.out, ("out",)))
 
     def product(self) -> list[Job]:
@@ -206,7 +222,21 @@ class _Reader:
                     else Job(f"{name}-{seed}", first.recipe.model_copy(update={"seed": seed}))
                     for seed in seeds
                 ]
+        for job in jobs:
+            self.check_folder(job.name, ("meshes",), "meshes")
         return jobs
+
+    def check_folder(self, name: str, path: lines.Path, key: str) -> None:
+        """Refuse what cannot be a folder beside the report."""
+        if not name.isprintable():
+            problem = f"{name!r:.60} cannot be a folder: a letter of it cannot be shown"
+        elif len(os.fsencode(name)) > _LONGEST_NAME:
+            problem = f"{name!r:.60}... is too long for a folder; at most {_LONGEST_NAME} bytes"
+        elif name.casefold() == REPORT:
+            problem = f"{name!r} is the report of the batch; give the job another folder"
+        else:
+            return
+        raise RecipeError(f"{self.where(path)}{key}: {problem}")
 
     def single(self, index: int, entry: JobEntry) -> Job:
         path: lines.Path = ("job", index)
@@ -226,6 +256,7 @@ class _Reader:
         )
         if Path(name).name != name or name.startswith("."):
             raise RecipeError(f"{self.where((*path, 'out'))}job.out: {name!r} is no name of a folder")
+        self.check_folder(name, (*path, "out"), "job.out")
         key = "recipe" if entry.recipe else "material"
         return self.job(name, material, mesh, entry.seed, entry, (*path, key))
 

@@ -10,6 +10,9 @@ from surftex.recipe.batch import load_batch
 MESH = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
+JOB = '[[job]]\nmesh = "bag.obj"\nmaterial = "calf"\n'
+
+
 @pytest.fixture
 def studio(tmp_path):
     for name in ("shoes/left.obj", "shoes/right.obj", "bag.obj"):
@@ -89,6 +92,13 @@ def test_a_recipe_names_its_own_mesh(studio):
         ('[[job]]\nmesh = "bag.obj"', "jobs.toml:1: job: give either material or recipe"),
         ('[[job]]\nmaterial = "calf"', "a material needs a mesh"),
         ('[[job]]\nmesh = "bag.obj"\nmaterial = "calf"\nout = "a/b"', "jobs.toml:4: job.out: 'a/b' is no name"),
+        (JOB + 'out = "a\\u0000"', "jobs.toml:4: job.out: 'a\\x00' cannot be a folder"),
+        (JOB + 'out = "a\\u001b[31m"', "jobs.toml:4: job.out: 'a\\x1b[31m' cannot be a folder"),
+        (JOB + f'out = "{"a" * 300}"', "... is too long for a folder; at most 200 bytes"),
+        (JOB + f'out = "{"ä" * 101}"', "... is too long for a folder; at most 200 bytes"),
+        (JOB + 'out = "Batch-Report.json"', "jobs.toml:4: job.out: 'Batch-Report.json' is the report of the batch"),
+        (JOB + 'out = "A"\n' + JOB + 'out = "a"', "two jobs write to 'A' and 'a', one folder on many disks"),
+        (JOB + 'out = "\\u00e4"\n' + JOB + 'out = "a\\u0308"', "one folder on many disks"),
         ('[[job]]\nmesh = "bag.obj"\nmaterial = "calf"\nresolution = 5', "resolution"),
         ('seeds = ["one"]', "jobs.toml:1: seeds.1: input should be a valid integer"),
         ("meshes = [", "jobs.toml:1: "),
@@ -109,6 +119,12 @@ def test_a_batch_of_many_seeds_is_read_in_a_moment(studio):
     assert time.process_time() - began < 10
     assert [job.recipe.seed for job in found.jobs] == list(range(30_000))
     assert found.jobs[-1].recipe.places is found.jobs[0].recipe.places
+
+
+def test_a_mesh_whose_name_is_too_long_for_a_folder_is_told(studio):
+    (studio / f"{'m' * 199}.obj").write_text(MESH)
+    with pytest.raises(RecipeError, match=r"jobs.toml:1: meshes: 'm+\.\.\. is too long for a folder"):
+        batch(studio, 'meshes = ["m*.obj"]\nmaterials = ["calf"]')
 
 
 def test_files_outside_may_be_allowed(studio):
