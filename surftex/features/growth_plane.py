@@ -43,8 +43,9 @@ class PlaneGround:
 
     @property
     def area(self) -> float:
-        """In squares of the diameter."""
-        return (self.side / self.diameter) ** 2
+        """In squares of the diameter; inf where that is beyond all numbers."""
+        across = self.side / self.diameter
+        return across * across  # ** would raise
 
     def births(self, numbers: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Where particles are born.

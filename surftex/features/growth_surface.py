@@ -58,8 +58,9 @@ class SurfaceGround:
 
     @property
     def area(self) -> float:
-        """In squares of the local diameter."""
-        return float((self.surface.face_area_mm2 / self._face_diameter**2).sum())
+        """In squares of the local diameter; inf where that is beyond all numbers."""
+        with np.errstate(divide="ignore", over="ignore"):
+            return float((self.surface.face_area_mm2 / self._face_diameter**2).sum())
 
     def births(self, numbers: NDArray[np.float64]) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Where particles are born: uniform by area over the square of the local diameter.

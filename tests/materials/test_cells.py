@@ -114,11 +114,17 @@ def test_a_tile_goes_on_from_saved_particles(tile):
         ({"direction": "grain"}, 40.0, "unknown direction 'grain'"),
         ({}, -3.0, "a tile of -3 mm is too small"),
         ({"births": 5.0}, 4000.0, "more than the 5000000 allowed"),
+        ({"cell_size": 1e-300}, 40.0, "inf particles would be born, more than the 5000000 allowed"),
     ],
 )
 def test_what_a_tile_cannot_be_is_said(changes, side, says):
     with pytest.raises(RecipeError, match=says):
         Cells(**changes).tile(side)
+
+
+def test_cells_of_next_to_no_size_are_refused(ball):
+    with pytest.raises(RecipeError, match="inf particles would be born"):
+        Cells(cell_size=1e-300).place(ball)
 
 
 @pytest.mark.parametrize("ratio", [0, 100, "0.1 * x", "-1"])

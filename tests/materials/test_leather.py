@@ -201,6 +201,9 @@ def test_detail_finer_than_the_footprint_fades(ball):
 def test_too_many_features_are_refused(ball):
     with pytest.raises(RecipeError, match="pores"):
         Leather(cell_size=2.0, pore_density=1e6).place(ball, 1, max_features=10_000)
+    for size in (1e-300, 5e-324):
+        with pytest.raises(RecipeError, match="would hold about inf features"):
+            Leather(cell_size=size).place(ball, 1)
 
 
 @pytest.mark.parametrize(
