@@ -254,13 +254,13 @@ def _surface(subject: Any, recipe: Recipe) -> Surface:
 
 
 def _features(features: Any, most: int) -> Any:
-    from surftex.bake.stack import feature_counts
+    from surftex.bake.stack import counted
 
     if isinstance(features, (str, os.PathLike)):
         from surftex.files.features import load_features
 
         features = load_features(Path(features))
-    if features is not None and (count := sum(feature_counts(features).values())) > most:
+    if features is not None and (count := counted(features)) > most:
         raise InputError(
             f"{count:,} features are given, more than the {most:,} that are allowed; raise --max-features"
         )

@@ -211,7 +211,7 @@ def place_stack(
         pattern, mask = place_layer(
             recipe, i, surface, fields, features=given, max_features=max(left, 1), threads=threads, tick=told
         )
-        left -= sum(feature_counts(pattern.features).values())
+        left -= counted(pattern.features)
         patterns.append(pattern)
         masks.append(mask)
     return Stack(tuple(patterns), tuple(masks), recipe)
@@ -321,6 +321,24 @@ def feature_counts(features: Features) -> dict[str, int]:
         kind: len(np.unique(table["curve"])) if "curve" in (table.dtype.names or ()) else len(table)
         for kind, table in features.items()
     }
+
+
+def counted(features: Features) -> int:
+    """Count what ``max_features`` bounds: all but pockets and cracks, of which cells bring a few each.
+
+    Parameters
+    ----------
+    features : mapping of str to structured array
+        As `Stack.features`.
+
+    Returns
+    -------
+    count : int
+        Of all kinds and layers.
+    """
+    return sum(
+        count for kind, count in feature_counts(features).items() if not kind.endswith(("pocket", "crack"))
+    )
 
 
 def _prefix(index: int) -> str:

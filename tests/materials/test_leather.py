@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+import surftex as sx
+from surftex.bake.stack import counted
 from surftex.errors import RecipeError
 from surftex.features.uniform import area_points
 from surftex.fields.fieldset import FieldSet
@@ -227,3 +229,20 @@ def test_mistakes_name_the_nearest():
         Leather.preset("calv")
     with pytest.raises(RecipeError, match="crista_height"):
         Leather.preset("calf", crista_heigth=1)
+
+
+def test_a_bake_that_just_fits_is_given_back_within_the_same_bound():
+    ball, leather = (
+        sphere(20.0, subdivisions=3),
+        Leather(cell_size=3.0, pocket_depth=0.1, invasion=0.4, stress=None),
+    )
+    placed = leather.place(ball, 1).features
+    assert set(placed) == {"cell", "pocket", "crack"}
+    assert counted(placed) == len(placed["cell"])
+    sx.bake(ball, leather, resolution=32, features=placed, max_features=len(placed["cell"]), seed=1)
+
+
+@pytest.mark.parametrize("invasion", [1e7, 1e300])
+def test_cracks_across_everything_are_refused_before_they_run(invasion):
+    with pytest.raises(RecipeError, match=r"leather.invasion makes cracks of 1e\+"):
+        Leather(cell_size=3.0, invasion=invasion).place(sphere(20.0, subdivisions=3), 1)

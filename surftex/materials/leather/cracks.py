@@ -8,12 +8,16 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.errors import RecipeError
 from surftex.features.curves import ROW, curve_table
 from surftex.features.voronoi_graph import VoronoiGraph
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
+
+_MOST_EDGES = 50
+"""Longest crack, in mean edges of the plates."""
 
 
 def cracks(
@@ -46,6 +50,11 @@ def cracks(
     -------
     table : (p,) structured array
         Pieces of the cracks, each from its root to its tip.
+
+    Raises
+    ------
+    RecipeError
+        If one would run across many plates.
     """
     pieces = graph.pieces
     if len(pieces) == 0:
@@ -71,6 +80,12 @@ def cracks(
     length = np.asarray(amount(where)) * along
     if relative:
         length = length * pieces.curve_length_mm[pieces.curve[root]] / 2
+    farthest = _MOST_EDGES * float(pieces.curve_length_mm.mean())
+    if not length.max() <= farthest:
+        raise RecipeError(
+            f"leather.invasion makes cracks of {length.max():.3g} mm, which run across many plates; "
+            f"at most {farthest:.3g} mm is for cracks, longer ones are wrinkles (leather.wrinkle_density)"
+        )
     cracked = (vertex >= 0) & (length > 1e-3 * surface.mean_edge_mm * 1e-3) & (np.hypot(*out.T) > 0)
     rows = np.flatnonzero(cracked)
     start = SurfacePoints.trusted(where.face[rows], where.barycentric[rows])
