@@ -175,9 +175,24 @@ def bellows():
     three_scales(surface, cells, side, side, "cells-bellows", resolution=2048, **near)
 
 
+def creased():
+    """Furrows that flow over a scanned head and drive its grain of 4 mm: far, the shoulder, and across a seam."""
+    surface = load(shared("head_lee_perry_smith.ply"), units="m")
+    furrows = {
+        "wrinkle_density": 0.4,
+        "wrinkle_length": "150 mm",
+        "wrinkle_width": "5 mm",
+        "wrinkle_depth": "1 mm",
+        "wrinkle_taper": "30 mm",
+    }
+    cells = sx.Cells.preset("creased", cell_size="4 mm", **furrows)
+    shoulder, cheek = (100.0, -110.0, 40.0), (40.0, 10.0, 75.0)
+    three_scales(surface, cells, shoulder, cheek, "cells-creased", zooms=(4.0, 8.0))
+
+
 PICTURES = {
     made.__name__.replace("_", "-"): made
-    for made in (figure_8, figure_13, presets, growth, shoe, head, bellows)
+    for made in (figure_8, figure_13, presets, growth, shoe, head, bellows, creased)
 }
 
 if __name__ == "__main__":
