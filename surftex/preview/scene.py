@@ -34,10 +34,17 @@ window.Render()
 raise SystemExit(0 if window.SupportsOpenGL() else 1)
 """
 
+_X_PROBE = """
+import ctypes
+x = ctypes.CDLL("libX11.so.6")
+x.XOpenDisplay.restype = ctypes.c_void_p
+raise SystemExit(0 if x.XOpenDisplay(None) else 1)
+"""
+
 _FILLED = 0.9
+"""Share of the view that the whole fills at first."""
 _REACH = (0.02, 20.0)
 """Least and greatest distance of the camera from what it is aimed at, in diagonals of the surface."""
-"""Share of the view that the whole fills at first."""
 
 
 class Scene:
@@ -373,15 +380,19 @@ def check_display(*, off_screen: bool) -> None:
     WorkError
         If there is no display, or no OpenGL.
     """
-    displayed = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    display = os.environ.get("DISPLAY")
+    displayed = _ended_well(_X_PROBE, display) if display else bool(os.environ.get("WAYLAND_DISPLAY"))
     if sys.platform.startswith("linux") and not displayed:
         if not off_screen:
+            silent = (
+                f"display {display} does not answer, so there is none" if display else "there is no display"
+            )
             raise WorkError(
-                "there is no display for a window; surftex preview --web serves the same to a browser, and "
-                "surftex render draws stills"
+                f"{silent} for a window; surftex preview --web serves the same to a browser, and surftex render "
+                "draws stills"
             )
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    if not _draws():
+    if not _ended_well(_PROBE, os.environ.get("DISPLAY")):
         raise WorkError(
             "OpenGL 3.2 is missing here: install a driver, or Mesa (Debian: libegl1 and libgl1-mesa-dri); surftex "
             "render draws stills without it"
@@ -389,10 +400,11 @@ def check_display(*, off_screen: bool) -> None:
 
 
 @cache
-def _draws() -> bool:
-    """Try in a child whether anything can be drawn: where libraries are missing, VTK may end the process."""
+def _ended_well(program: str, display: str | None) -> bool:
+    """Try in a child what may end the process where libraries are missing; once for every `display`."""
+    del display  # the child has it from the environment
     try:
-        done = subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, timeout=120, check=False)
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=120, check=False)
     except (OSError, subprocess.TimeoutExpired):
         return False
     return done.returncode == 0
