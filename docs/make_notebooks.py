@@ -10,6 +10,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import sys
 import time
 from pathlib import Path
@@ -44,10 +45,22 @@ def ran(source, names, path):
     if isinstance(value, Image.Image):
         outputs.append(picture(value))
     elif hasattr(value, "_repr_html_"):
-        outputs.append(display({"text/html": [value._repr_html_()]}))
+        outputs.append(display({"text/html": [smaller(value._repr_html_())]}))
     elif value is not None and last is not None:
         outputs.append(display({"text/plain": repr(value).splitlines(True)}))
     return outputs
+
+
+def smaller(page):
+    """Keep the pictures within a page as small JPEG."""
+
+    def jpeg(found):
+        data = io.BytesIO()
+        image = Image.open(io.BytesIO(base64.b64decode(found[1]))).convert("RGB")
+        image.resize((image.width * 2 // 3, image.height * 2 // 3)).save(data, "JPEG", quality=70)
+        return f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"
+
+    return re.sub(r"data:image/png;base64,([\w+/=]+)", jpeg, page)
 
 
 def figure_image(figure):
