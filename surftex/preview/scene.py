@@ -46,6 +46,9 @@ _FILLED = 0.9
 _REACH = (0.02, 20.0)
 """Least and greatest distance of the camera from what it is aimed at, in diagonals of the surface."""
 
+_NEARER = -20.0
+"""How much lines and dots are drawn before the surface that they lie on, in VTK's 16 millionths of the depth."""
+
 
 class Scene:
     """A surface in three dimensions.
@@ -362,8 +365,8 @@ class Scene:
             mesh = pyvista.PolyData(places, lines=np.column_stack([np.full(len(cells), step), cells]).ravel())
             actor = self.plotter.add_mesh(mesh, lighting=False, reset_camera=False, **looks)
         actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
-        actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -60000)
-        actor.mapper.SetRelativeCoincidentTopologyPointOffsetParameter(-60000)
+        actor.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2, _NEARER)
+        actor.mapper.SetRelativeCoincidentTopologyPointOffsetParameter(_NEARER)
         return actor
 
 

@@ -161,6 +161,19 @@ def test_every_button_and_overlay_does_something(window):
     assert hit(low, -5, -5) is None
 
 
+def test_what_lies_behind_the_surface_is_hidden(window):
+    desk = window.desk
+    plain = window.picture()
+    for side, seen in ((-1.0, False), (1.0, True)):
+        desk.points = [pick(desk.surface, [0.3, 0.2, 30.0 * side], [0.0, 0.0, -side])]
+        desk.path = desk.points[0].positions(desk.surface) + [
+            [-0.4, 0.0, 0.01 * side],
+            [0.4, 0.0, 0.01 * side],
+        ]
+        desk.version += 1
+        assert (window.picture() != plain).any() == seen
+
+
 def test_events_of_the_window_reach_the_panel_and_leave_the_camera_alone(window):
     desk, interactor = window.desk, window.scene.plotter.iren.interactor
     window.connect()
