@@ -165,11 +165,10 @@ def test_what_lies_behind_the_surface_is_hidden(window):
     desk = window.desk
     plain = window.picture()
     for side, seen in ((-1.0, False), (1.0, True)):
-        desk.points = [pick(desk.surface, [0.3, 0.2, 30.0 * side], [0.0, 0.0, -side])]
-        desk.path = desk.points[0].positions(desk.surface) + [
-            [-0.4, 0.0, 0.01 * side],
-            [0.4, 0.0, 0.01 * side],
-        ]
+        point = pick(desk.surface, [0.3, 0.2, 30.0 * side], [0.0, 0.0, -side])
+        assert point is not None
+        desk.points = [point]
+        desk.path = point.positions(desk.surface) + np.array([[-0.4, 0, 0.01 * side], [0.4, 0, 0.01 * side]])
         desk.version += 1
         assert (window.picture() != plain).any() == seen
 
