@@ -15,7 +15,7 @@ from surftex.errors import InputError, SurftexError
 from surftex.geodesics.paths import shortest_path
 from surftex.preview.live import Frame, Live
 from surftex.preview.section import Section, curve_points
-from surftex.preview.session import Session
+from surftex.preview.session import Session, Use
 from surftex.preview.studio import STUDIOS
 from surftex.preview.worker import Worker
 from surftex.recipe.layer import all_presets
@@ -27,8 +27,8 @@ Tool = Literal["turn", "stroke", "lines", "spots", "section"]
 
 TOOLS: dict[str, str] = {
     "turn": "Turn the surface.",
-    "stroke": "Draw a direction: click along it, then press Done.",
-    "lines": "Draw a line such as a wrinkle: click along it, then press Done.",
+    "stroke": "Draw a direction: click along it, then press done.",
+    "lines": "Draw a line such as a wrinkle: click along it, then press done.",
     "spots": "Pick single places: moles of skin.",
     "section": "Cut: click two places.",
 }
@@ -180,11 +180,11 @@ class Desk:
         """
         self.look_at = point.positions(self.surface)[0]
         if self.tool == "spots":
-            self.do("pick", FIELD["spots"], point)
-            self._follow(("mole_points",), FIELD["spots"])
+            name = self.session.free_name(FIELD["spots"], "distance")
+            self._keep("pick", name, ("mole_points",), point)
         elif self.tool in ("stroke", "lines"):
             self.points.append(point)
-            self.message = f"{len(self.points)} places; press Done to keep the stroke"
+            self.message = f"{len(self.points)} places; press done to keep the stroke"
         elif self.tool == "section":
             self.points = [*self.points, point] if len(self.points) < 2 else [point]
             if len(self.points) == 2:
@@ -194,24 +194,24 @@ class Desk:
     def done(self) -> None:
         """Keep the stroke that is being drawn, and let the chosen layer follow it where it follows none."""
         if self.tool in ("stroke", "lines") and len(self.points) > 1:
-            name, use = FIELD[self.tool], "direction" if self.tool == "stroke" else "curves"
+            use: Use = "direction" if self.tool == "stroke" else "curves"
             points = SurfacePoints(
                 np.concatenate([point.face for point in self.points]),
                 np.concatenate([point.barycentric for point in self.points]),
             )
-            self.points = []
-            self.do("stroke", name, points, use)
             wanted = ("direction", "stress") if use == "direction" else ("wrinkle_curves",)
-            self._follow(wanted, name)
+            self._keep("stroke", self.session.free_name(FIELD[self.tool], use), wanted, points, use)
         self.points = []
         self._tell()
 
-    def _follow(self, keys: tuple[str, ...], name: str) -> None:
-        """Let the chosen layer take what was drawn, where it takes nothing else."""
-        material: Any = self.session.recipe.layer[self.layer].material
-        for key in keys:
-            if key in type(material).model_fields and getattr(material, key) is None:
-                self.do("set", key, name, self.layer)
+    def _keep(self, command: str, name: str, keys: tuple[str, ...], *drawn: Any) -> None:
+        """Keep what was drawn, and let the chosen layer take it where it takes nothing else, all in one step."""
+        with self.session.one_step():
+            self.do(command, name, *drawn)
+            material: Any = self.session.recipe.layer[self.layer].material
+            for key in keys:
+                if not self._refused and getattr(material, key, name) is None:
+                    self.do("set", key, name, self.layer)
 
     def _cut(self) -> None:
         """Take the section between the two places."""

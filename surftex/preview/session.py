@@ -8,14 +8,16 @@ is seen.
 import hashlib
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import chain, count
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
 from surftex.errors import InputError, RecipeError, WorkError
-from surftex.files.strokes import Stroke, write_strokes
+from surftex.files.strokes import Stroke, read_strokes, write_strokes
 from surftex.preview.controls import Control, controls
 from surftex.recipe.fields import CurvesEntry, DistanceEntry, StrokesEntry
 from surftex.recipe.hints import nearest
@@ -29,11 +31,18 @@ from surftex.surface.surface import Surface
 Use = Literal["direction", "curves", "distance"]
 """What strokes are for: a direction field, lines such as wrinkles, or the distance to points, such as of moles."""
 
-_ENTRY = {
-    "direction": lambda path: StrokesEntry(strokes=path),
-    "curves": lambda path: CurvesEntry(curves=path),
-    "distance": lambda path: DistanceEntry(distance_to=path),
+_ENTRY: dict[str, tuple[type, str]] = {
+    "direction": (StrokesEntry, "strokes"),
+    "curves": (CurvesEntry, "curves"),
+    "distance": (DistanceEntry, "distance_to"),
 }
+"""Kind of field for each use, and its key that names the file."""
+
+
+def _entry(before: Any, use: Use, path: Path) -> Any:
+    """Make the field that reads a file, with whatever else was said of it before."""
+    kind, key = _ENTRY[use]
+    return kind(**{key: str(path)}) if before is None else before.model_copy(update={key: str(path)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,8 +309,40 @@ class Session:
             If the field is there, and was made of something else.
         """
         old = self._drawing(name, "distance")
-        made = replace(old, points=MappingProxyType({**old.points, f"{name} {len(old.points) + 1}": point}))
+        called = next(free for k in count(len(old.points) + 1) if (free := f"{name} {k}") not in old.points)
+        made = replace(old, points=MappingProxyType({**old.points, called: point}))
         self._draw(f"pick {name}", name, made)
+
+    def free_name(self, name: str, use: Use) -> str:
+        """Find a field that can be drawn into.
+
+        Parameters
+        ----------
+        name : str
+            What it is to be called.
+        use : str
+            direction, curves or distance.
+
+        Returns
+        -------
+        name : str
+            The same, or where that field is something else, with the next number that is free.
+        """
+        for called in chain((name,), (f"{name}_{k}" for k in count(2))):
+            try:
+                self._drawing(called, use)
+            except RecipeError:
+                continue
+            return called
+        raise AssertionError("numbers do not end")
+
+    @contextmanager
+    def one_step(self) -> Iterator[None]:
+        """Let all that is done meanwhile be undone in one step, under the name of the first of it."""
+        before = len(self._past)
+        yield
+        del self._past[before + 1 :]
+        self._last = ""
 
     def undo(self) -> str | None:
         """Take back the last command.
@@ -357,7 +398,7 @@ class Session:
             for name, place in files.items():
                 drawing = self.state.drawings[name]
                 write_strokes(place, self.surface, drawing.strokes, drawing.points)
-                entries[name] = _ENTRY[drawing.use](str(place.resolve()))
+                entries[name] = _entry(entries.get(name), drawing.use, place.resolve())
             text = recipe_text(recipe.model_copy(update={"fields_": entries}), target.parent)
             draft = target.with_name(f".{target.name}.draft")
             draft.write_text(text, "utf-8")
@@ -390,8 +431,14 @@ class Session:
 
     def _drawing(self, name: str, use: Use) -> Drawing:
         drawing = self.state.drawings.get(name)
-        if drawing is None and name in self.state.recipe.fields_:
-            raise RecipeError(f"the recipe has a field {name!r} of its own; choose another name")
+        entry = self.state.recipe.fields_.get(name)
+        if drawing is None and entry is not None:
+            kind, key = _ENTRY[use]
+            file = getattr(entry, key) if isinstance(entry, kind) else None
+            if not (isinstance(file, str) and file.lower().endswith(".json")):
+                raise RecipeError(f"the recipe has a field {name!r} of its own; choose another name")
+            held = read_strokes(file, self.surface)
+            return Drawing(use, held.strokes, MappingProxyType(dict(held.points)))
         if drawing is not None and drawing.use != use:
             raise RecipeError(f"{name!r} holds a {drawing.use}, and cannot hold a {use} as well")
         return drawing or Drawing(use)
@@ -400,9 +447,13 @@ class Session:
         digest = hashlib.sha256()
         for points in (*(stroke.points for stroke in drawing.strokes), *drawing.points.values()):
             digest.update(points.face.tobytes() + points.barycentric.tobytes() + b"/")
+        digest.update(
+            repr([(stroke.name, sorted(stroke.numbers.items())) for stroke in drawing.strokes]).encode()
+        )
         path = Path(self._folder.name) / f"{name}-{digest.hexdigest()[:16]}.json"
         write_strokes(path, self.surface, drawing.strokes, drawing.points)
-        entries = {**self.state.recipe.fields_, name: _ENTRY[drawing.use](str(path))}
+        fields = self.state.recipe.fields_
+        entries = {**fields, name: _entry(fields.get(name), drawing.use, path)}
         recipe = self.state.recipe.model_copy(update={"fields_": entries})
         self._go(what, recipe=recipe, drawings=MappingProxyType({**self.state.drawings, name: drawing}))
 

@@ -7,7 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from surftex.errors import InputError, WorkError
+from surftex.errors import InputError, RecipeError, WorkError
+from surftex.files.strokes import read_strokes
 from surftex.preview import scene
 from surftex.preview.desk import Desk
 from surftex.preview.environment import environment
@@ -15,7 +16,8 @@ from surftex.preview.overlays import distinct, seam_lines
 from surftex.preview.panel import hit, layout
 from surftex.preview.picking import pick
 from surftex.preview.studio import STUDIOS
-from surftex.recipe.read import recipe_from_text
+from surftex.recipe.read import load_recipe, recipe_from_text
+from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import sphere
 
 RECIPE = """
@@ -159,6 +161,64 @@ def test_every_button_and_overlay_does_something(window):
     assert any(each.text == "back" for each in rest)
     assert not {each.text for each in rest if each.kind == "slider"} & set(sliders)
     assert hit(low, -5, -5) is None
+
+
+def test_a_stroke_is_one_step_and_goes_on_in_a_recipe_that_was_saved(window, tmp_path):
+    desk = window.desk
+    middle = (LEFT / 2, SIZE[1] / 2)
+
+    def drawn(made, tool="stroke", across=40):
+        made.choose(tool=tool)
+        for shift in (-across, across):
+            place = window.scene.place(middle[0] + shift, middle[1] + across / 2)
+            assert place is not None
+            made.click(place)
+        made.done()
+
+    drawn(desk)
+    assert desk.session.history == ("stroke grain",)
+    desk.do("undo")
+    assert "grain" not in desk.session.recipe.fields_
+    assert desk.session.value("direction") is None
+    drawn(desk)
+    desk.do("save", tmp_path / "made.toml")
+    again = Desk(load_recipe(tmp_path / "made.toml"), desk.surface, resolution=64)
+    drawn(again, across=20)
+    assert len(again.session.state.drawings["grain"].strokes) == 2
+    assert again.session.history == ("stroke grain",)
+    again.do("save", tmp_path / "made.toml", overwrite=True)
+    assert len(read_strokes(tmp_path / "made-grain.json", desk.surface).strokes) == 2
+    again.close()
+
+
+def test_a_field_of_another_kind_is_left_alone_and_a_refusal_is_the_end(ball, monkeypatch):
+    text = RECIPE.replace("[[layer]]", '[fields]\ngrain = "x"\nspots = "y"\n[[layer]]', 1)
+    desk = Desk(recipe_from_text(text), ball, resolution=64)
+    ends = [SurfacePoints([face], np.full((1, 3), 1 / 3)) for face in (3, 40)]
+    desk.choose(tool="stroke")
+    for end in ends:
+        desk.click(end)
+    desk.done()
+    assert desk.session.value("direction") == "grain_2"
+    assert desk.session.recipe.fields_["grain"] == "x"
+    desk.choose(tool="spots")
+    desk.click(ends[0])
+    assert "spots_2" in desk.session.recipe.fields_
+    before = desk.session.state
+
+    def refused(*_):
+        raise RecipeError("no room")
+
+    monkeypatch.setattr(desk.session, "stroke", refused)
+    desk.do("set", "direction", None)
+    desk.choose(tool="stroke")
+    for end in ends:
+        desk.click(end)
+    desk.done()
+    assert desk.message == "no room"
+    assert desk.session.value("direction") is None
+    assert desk.session.state.drawings == before.drawings
+    desk.close()
 
 
 def test_what_lies_behind_the_surface_is_hidden(window):
