@@ -19,6 +19,9 @@ from surftex.surface.surface import Surface
 _CELLS = 4000
 """About how many cells a first look has."""
 
+_MANY = 200_000
+"""Features that a first look may have however small it is, of all kinds together."""
+
 _SHARE = 0.15
 """Of the surface, for learnt textures; materials with neither cells nor pixels are placed as a whole as soon."""
 
@@ -64,6 +67,22 @@ class Piece:
         own[self.face] = np.arange(len(self.face))
         points = SurfacePoints.trusted(own[samples.points.face], samples.points.barycentric)
         return Samples(points, samples.footprint_mm)
+
+    def most(self, max_features: int) -> int:
+        """Say how many features the piece may have: its share by area, as faces may be far larger than cells.
+
+        Parameters
+        ----------
+        max_features : int
+            Of the whole.
+
+        Returns
+        -------
+        most : int
+            Of the piece.
+        """
+        share = self.surface.area_mm2 / self.whole.area_mm2
+        return min(max_features, max(_MANY, round(share * max_features)))
 
     def fields(self, fields: FieldSet) -> FieldSet:
         """Carry the fields of the whole over to the piece.

@@ -27,6 +27,7 @@ from surftex.bake.stack import (
 from surftex.bake.stages import Stages
 from surftex.bake.unwrapping import Unwrapping
 from surftex.charts.texels import default_gutter_px, texels
+from surftex.errors import RecipeError
 from surftex.fields.fieldset import FieldSet
 from surftex.files.images import srgb_codes
 from surftex.kernels.pool import Tick, slices, stopped_by
@@ -190,7 +191,7 @@ class Live:
         Returns
         -------
         frame : Frame or None
-            None where the whole is done as soon.
+            None where the whole is done as soon, or the piece would hold too much to be seen soon.
 
         Raises
         ------
@@ -245,14 +246,24 @@ class Live:
         counts = feature_counts(self.stack.features)
         return self._shown(stacked, effort, counts, first_look=False)
 
-    def _looked(self, recipe: Recipe, piece: Piece) -> Frame:
+    def _looked(self, recipe: Recipe, piece: Piece) -> Frame | None:
         """Draw the texels of a piece, and leave all others as they were."""
         fields = piece.fields(self._field_set(recipe))
         inside = np.flatnonzero(piece.shown[self.texels.points.face])
         samples = piece.samples(self.texels.samples.taken(inside))
         values = {name: bare(name, len(samples)) for name in _SHOWN}
         for i in range(len(recipe.layer)):
-            pattern, mask = place_layer(recipe, i, piece.surface, fields, threads=self.threads)
+            try:
+                pattern, mask = place_layer(
+                    recipe,
+                    i,
+                    piece.surface,
+                    fields,
+                    max_features=piece.most(recipe.bake.max_features),
+                    threads=self.threads,
+                )
+            except RecipeError:
+                return None  # what is wrong with the whole is told by drawing it
 
             def work(first: int, last: int, pattern: Pattern = pattern) -> Layers:
                 return pattern.at(samples.taken(np.arange(first, last)))

@@ -199,6 +199,22 @@ def test_a_first_look_is_local_and_like_the_whole(monkeypatch):
     assert live.first_look(recipe_for("crocodile"), np.zeros(3)) is None  # a handful of cells
 
 
+@pytest.mark.parametrize("name", ["calf", "milled"])
+def test_a_first_look_that_would_hold_too_much_is_left_out(name, monkeypatch):
+    monkeypatch.setattr(focus, "_MANY", 300)
+    ball = sphere(6.0, subdivisions=1)
+    recipe = recipe_for(name, changes=["cell_size=3"])
+    live = Live(ball, recipe, resolution=64)
+    live.draw(recipe)
+    fine = recipe_for(name, changes=["cell_size=0.02", "bake.max_features=4000"])
+    piece = focus.piece_around(fine, ball, np.zeros(3))
+    assert piece is not None
+    assert len(piece.face) == 1  # larger than four thousand cells
+    assert live.first_look(fine, np.zeros(3)) is None
+    with pytest.raises(RecipeError, match="more than"):
+        live.draw(fine)
+
+
 def test_work_that_nobody_wants_ends(ball):
     recipe = recipe_from_text(TWO)
     live = Live(ball, recipe, resolution=64)
