@@ -63,12 +63,28 @@ def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bo
             f"{folder} holds {len(present)} of the files to write; the first is {present[0]}. "
             "Choose another folder, or allow it with overwrite (--overwrite)"
         )
+    check_room(folder)
+    return folder
+
+
+def check_room(folder: Path) -> None:
+    """Check before any work that files can be put into a folder, which may still have to be made.
+
+    Parameters
+    ----------
+    folder : Path
+        Need not exist.
+
+    Raises
+    ------
+    WorkError
+        If the nearest folder that exists takes no files.
+    """
     nearest = folder.absolute()
     while not nearest.exists() and nearest != nearest.parent:
         nearest = nearest.parent
     if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
         raise WorkError(f"{folder}: cannot write in {nearest}")
-    return folder
 
 
 @contextmanager

@@ -124,7 +124,12 @@ def camera_for(
         raise RecipeError(f"no view {view!r}; known are {', '.join(VIEWS)}, or azimuth and elevation")
     if not 0 < zoom < 1e6:
         raise RecipeError(f"zoom is {zoom}; it takes a number above 0, where 1 shows everything")
-    azimuth, elevation = np.radians(VIEWS[view] if isinstance(view, str) else view)
+    degrees = VIEWS[view] if isinstance(view, str) else view
+    if not (np.isfinite(degrees[0]) and -90 <= degrees[1] <= 90):
+        raise RecipeError(
+            f"view is {degrees[0]:g},{degrees[1]:g}; elevation takes -90 to 90 degrees, azimuth any"
+        )
+    azimuth, elevation = np.radians(degrees)
     upward, front = UPS[up], _FRONTS[up]
     side = np.cross(upward, front)
     away = np.cos(elevation) * (np.cos(azimuth) * front + np.sin(azimuth) * side) + np.sin(elevation) * upward

@@ -1,6 +1,7 @@
 """Pictures to files: PNG, whole or not at all."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from surftex.errors import InputError, WorkError
 
 
 def check_picture(path: str | os.PathLike[str]) -> Path:
-    """Check what a picture is to be called.
+    """Check before any work what a picture is to be called, and that there is room for it.
 
     Parameters
     ----------
@@ -25,11 +26,18 @@ def check_picture(path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        If the name does not end in .png.
+        If the name does not end in .png, or is that of a folder.
+    WorkError
+        If nothing can be written there.
     """
+    from surftex.files.output import check_room
+
     target = Path(path)
     if target.suffix.lower() != ".png":
         raise InputError(f"{target}: pictures are PNG; let the name end in .png")
+    if target.is_dir():
+        raise InputError(f"{target} is a folder; name a file for the picture")
+    check_room(target.parent)
     return target
 
 
@@ -39,7 +47,7 @@ def save_picture(path: str | os.PathLike[str], picture: NDArray[np.uint8]) -> Pa
     Parameters
     ----------
     path : path
-        Of the file; one that is there is replaced, whole.
+        Of the file; one that is there is replaced, whole. Its folder is made where there is none.
     picture : (height, width, 3) uint8
         sRGB codes.
 
@@ -51,7 +59,7 @@ def save_picture(path: str | os.PathLike[str], picture: NDArray[np.uint8]) -> Pa
     Raises
     ------
     InputError
-        If the name does not end in .png.
+        As `check_picture`.
     WorkError
         If it cannot be written.
     """
@@ -61,9 +69,11 @@ def save_picture(path: str | os.PathLike[str], picture: NDArray[np.uint8]) -> Pa
     data = png_bytes(picture)
     draft = target.with_name(f".{target.name}.{os.getpid()}")
     try:
+        target.parent.mkdir(parents=True, exist_ok=True)
         draft.write_bytes(data)
         draft.replace(target)
     except OSError as problem:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
         raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
     return target

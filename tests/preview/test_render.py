@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surftex.charts.atlas import Atlas
-from surftex.errors import InputError, RecipeError
+from surftex.errors import InputError, RecipeError, WorkError
 from surftex.files.images import read_png
 from surftex.kernels.view import nearest_faces
 from surftex.preview import render as stills
@@ -141,6 +141,8 @@ def test_files_and_mistakes(tmp_path, meshes):
     ball = sphere(10.0, subdivisions=1)
     for wrong in (
         {"view": "nowhere"},
+        {"view": (30.0, 95.0)},
+        {"view": (float("nan"), 5.0)},
         {"light": "candle"},
         {"zoom": 0},
         {"up": "w"},
@@ -151,6 +153,18 @@ def test_files_and_mistakes(tmp_path, meshes):
             render(ball, **{**SMALL, **wrong})
     with pytest.raises(InputError, match="cannot draw"):
         render(3)
+
+
+def test_where_a_picture_cannot_go_is_told_before_any_work(tmp_path):
+    (tmp_path / "folder.png").mkdir()
+    (tmp_path / "file").write_text("")
+    for render_one in (render_file, render_files):
+        with pytest.raises(InputError, match="is a folder"):
+            render_one("no mesh at all", tmp_path / "folder.png")
+        with pytest.raises(WorkError, match="cannot write in"):
+            render_one("no mesh at all", tmp_path / "file" / "a.png")
+    path = render_file(sphere(10.0, subdivisions=1), tmp_path / "new" / "sub" / "a.png", **SMALL)
+    assert read_png(path).shape == (90, 120, 3)
 
 
 def test_sheet_has_room_for_all_and_letters():

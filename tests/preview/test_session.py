@@ -206,7 +206,7 @@ def test_a_first_look_that_would_hold_too_much_is_left_out(name, monkeypatch):
     recipe = recipe_for(name, changes=["cell_size=3"])
     live = Live(ball, recipe, resolution=64)
     live.draw(recipe)
-    fine = recipe_for(name, changes=["cell_size=0.02", "bake.max_features=4000"])
+    fine = recipe_for(name, changes=["cell_size=0.02", "bake.max_features=40000"])
     piece = focus.piece_around(fine, ball, np.zeros(3))
     assert piece is not None
     assert len(piece.face) == 1  # larger than four thousand cells
