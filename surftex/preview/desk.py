@@ -5,6 +5,7 @@ A view tells the desk what its user does, and draws what the desk holds whenever
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from surftex.preview.studio import STUDIOS
 from surftex.preview.worker import Worker
 from surftex.recipe.layer import all_presets
 from surftex.recipe.model import Recipe
+from surftex.recipe.read import load_recipe, recipe_files
 from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -121,7 +123,7 @@ class Desk:
             if name in ("undo", "redo"):
                 self.message = f"{name}: {result}" if result else f"nothing to {name}"
             elif name == "save":
-                self.message = f"saved {result[-1]}"
+                self.message = f"saved{_elsewhere(result[-1])} {result[-1]}"
                 self._tell()
                 return
         except SurftexError as problem:
@@ -257,6 +259,15 @@ class Desk:
         self.version += 1
         for listener in list(self.listeners):
             listener()
+
+
+def _elsewhere(path: Path) -> str:
+    """Say what a saved recipe takes to be baked where its mesh or other files lie outside its folder."""
+    recipe = load_recipe(path, allow_outside=True)
+    files = [*recipe_files(recipe), *([Path(recipe.mesh.path)] if recipe.mesh.path else [])]
+    if all(file.resolve().is_relative_to(path.parent.resolve()) for file in files):
+        return ""
+    return "; bake it with --allow-outside:"
 
 
 def _foremost(surface: Surface) -> int:

@@ -191,6 +191,22 @@ def test_a_stroke_is_one_step_and_goes_on_in_a_recipe_that_was_saved(window, tmp
     again.close()
 
 
+def test_saving_away_from_the_mesh_says_what_baking_takes(ball, tmp_path):
+    mesh = tmp_path / "ball.obj"
+    mesh.write_text("v 0 0 0\n")
+    recipe = recipe_from_text(RECIPE)
+    recipe = recipe.model_copy(update={"mesh": recipe.mesh.model_copy(update={"path": str(mesh)})})
+    desk = Desk(recipe, ball, resolution=64)
+    desk.do("save", tmp_path / "here.toml")
+    assert desk.message == f"saved {tmp_path / 'here.toml'}"
+    load_recipe(tmp_path / "here.toml")
+    desk.do("save", tmp_path / "away" / "there.toml")
+    assert "--allow-outside" in desk.message
+    with pytest.raises(RecipeError, match="allow-outside"):
+        load_recipe(tmp_path / "away" / "there.toml")
+    desk.close()
+
+
 def test_a_field_of_another_kind_is_left_alone_and_a_refusal_is_the_end(ball, monkeypatch):
     text = RECIPE.replace("[[layer]]", '[fields]\ngrain = "x"\nspots = "y"\n[[layer]]', 1)
     desk = Desk(recipe_from_text(text), ball, resolution=64)
