@@ -36,7 +36,7 @@ TOOLS: dict[str, str] = {
 }
 """What a click on the surface does."""
 
-OVERLAYS = ("seams", "charts", "regions", "features")
+OVERLAYS = ("seams", "charts", "regions", "features", "drawn")
 
 FIELD = {"stroke": "grain", "lines": "drawn", "spots": "spots"}
 """Name of the field that each tool draws into."""
@@ -67,10 +67,10 @@ class Desk:
         self.version = 0
         self.changed = set[str]()
         self.frame: Frame | None = None
-        self.message, self._refused = "placing features", False
+        self.message, self._held = "placing features", False
         self.layer, self.group = 0, ""
         self.tool: Tool = "turn"
-        self.overlays = set[str]()
+        self.overlays = {"drawn"}
         self.light = "studio"
         self.points: list[SurfacePoints] = []
         self.path: NDArray[np.float64] | None = None
@@ -117,7 +117,7 @@ class Desk:
         **options : Any
             Of the command.
         """
-        self._refused = False
+        self._held = False
         try:
             result = getattr(self.session, name)(*arguments, **options)
             if name in ("undo", "redo"):
@@ -127,7 +127,7 @@ class Desk:
                 self._tell()
                 return
         except SurftexError as problem:
-            self.message, self._refused = (
+            self.message, self._held = (
                 str(problem),
                 True,
             )  # work at hand goes on, and must not talk over it
@@ -150,7 +150,7 @@ class Desk:
         InputError
             If there is none of that name.
         """
-        self._refused = False
+        self._held = False
         for key, value in choices.items():
             known: Any = {
                 "layer": range(len(self.session.recipe.layer)), "group": self.groups, "tool": TOOLS, "light": STUDIOS,
@@ -212,8 +212,13 @@ class Desk:
             self.do(command, name, *drawn)
             material: Any = self.session.recipe.layer[self.layer].material
             for key in keys:
-                if not self._refused and getattr(material, key, name) is None:
+                if not self._held and getattr(material, key, name) is None:
                     self.do("set", key, name, self.layer)
+        layer = self.session.recipe.layer[self.layer]
+        taken = [getattr(layer.material, key) for key in keys if hasattr(layer.material, key)]
+        if not self._held and name not in taken:
+            why = f"takes {taken[0]!r}" if taken else f"has no {keys[0]}"
+            self.message, self._held = f"kept as {name!r}; {layer.kind} {why}", True
 
     def _cut(self) -> None:
         """Take the section between the two places."""
@@ -245,7 +250,7 @@ class Desk:
             self.frame = frame
             self.changed |= frame.changed
             counts = ", ".join(f"{count:,} {kind}" for kind, count in frame.features.items() if count)
-            if not self._refused:
+            if not self._held:
                 self.message = "a first look; the rest follows" if frame.first_look else counts or "ready"
         if self.tool == "section" and len(self.points) == 2 and not frame.first_look:
             self._cut()

@@ -1,4 +1,4 @@
-"""What is laid over the look: charts and regions in colours of their own, seams as lines, features as dots."""
+"""What is laid over the look: charts and regions in colours of their own, seams as lines, features as dots, what was drawn."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,7 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.charts.atlas import Atlas
+from surftex.geodesics.paths import polyline
+from surftex.geodesics.pieces import barycentric_of
 from surftex.preview.live import Live
+from surftex.preview.session import Drawing
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -82,6 +85,35 @@ def seam_lines(surface: Surface, atlas: Atlas) -> NDArray[np.float64]:
     face, side = np.nonzero(atlas.seam)
     ends = surface.faces[face, side], surface.faces[face, (side + 1) % 3]
     return np.stack([surface.vertices[end] for end in ends], axis=1)
+
+
+def walked(surface: Surface, drawing: Drawing) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lines and places that were drawn, as they lie on the surface.
+
+    Parameters
+    ----------
+    surface : Surface
+        What they were drawn on.
+    drawing : Drawing
+        Of one field.
+
+    Returns
+    -------
+    lines : (n, 2, 3) float64
+        Ends of straight pieces, in the frame of `Surface.vertices`; none of a stroke that no way connects.
+    dots : (k, 3) float64
+        Single places.
+    """
+    lines, dots = [np.zeros((0, 2, 3))], [np.zeros((0, 3))]
+    for stroke in drawing.strokes:
+        pieces, _ = polyline(surface, stroke.points, np.zeros(len(stroke.points), np.int32))
+        ends = [
+            SurfacePoints.trusted(pieces.face, barycentric_of(surface, pieces.face, place)).positions(surface)
+            for place in (pieces.start, pieces.end)
+        ]
+        lines.append(np.stack(ends, axis=1))
+    dots += [point.positions(surface) for point in drawing.points.values()]
+    return np.concatenate(lines), np.concatenate(dots)
 
 
 def feature_dots(surface: Surface, features: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[np.float64]]:

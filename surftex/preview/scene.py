@@ -16,13 +16,17 @@ from numpy.typing import NDArray
 from surftex.errors import WorkError
 from surftex.preview.desk import Desk
 from surftex.preview.environment import environment
-from surftex.preview.overlays import COLOURS, distinct, feature_dots, painted, seam_lines
+from surftex.preview.overlays import COLOURS, distinct, feature_dots, painted, seam_lines, walked
 from surftex.preview.picking import pick
+from surftex.preview.session import Drawing
 from surftex.preview.studio import STUDIOS
 from surftex.surface.points import SurfacePoints
 
 BEHIND = ((0.80, 0.79, 0.775), (0.94, 0.93, 0.92))
 """Colours of the background, below and above."""
+
+DRAWN = "#2f7bff"
+"""Colour of what the user draws."""
 
 _PROBE = """
 import vtkmodules.vtkRenderingOpenGL2
@@ -75,6 +79,7 @@ class Scene:
         self._drawn = -1
         self._textures: dict[str, Any] = {}
         self._extra: dict[str, Any] = {}
+        self._walked: dict[Drawing, tuple[NDArray[np.float64], NDArray[np.float64]]] = {}
         self._light = ""
         self._aimed = False
         self.actor = self._surface()
@@ -327,7 +332,7 @@ class Scene:
         self.plotter.add_light(light)
 
     def _overlays(self) -> None:
-        """Draw seams, features, the stroke at hand and the section."""
+        """Draw seams, features, what was drawn, the stroke at hand and the section."""
         desk = self.desk
         shown: dict[str, tuple[Any, dict[str, Any]]] = {}
         if "seams" in desk.overlays:
@@ -340,11 +345,20 @@ class Scene:
                     dots,
                     {"color": color, "point_size": 3},
                 )
+        for drawing in desk.session.state.drawings.values() if "drawn" in desk.overlays else ():
+            if drawing not in self._walked:
+                self._walked[drawing] = walked(desk.surface, drawing)
+            lines, dots = self._walked[drawing]
+            shown[f"drawn lines {id(drawing)}"] = (
+                lines.reshape(-1, 3),
+                {"color": DRAWN, "line_width": 3, "pairs": True},
+            )
+            shown[f"drawn dots {id(drawing)}"] = (dots, {"color": DRAWN, "point_size": 9})
         if desk.points:
             dots = np.concatenate([point.positions(desk.surface) for point in desk.points])
-            shown[f"points {desk.version}"] = (dots, {"color": "#2f7bff", "point_size": 11})
+            shown[f"points {desk.version}"] = (dots, {"color": DRAWN, "point_size": 11})
         if desk.path is not None:
-            shown[f"path {desk.version}"] = (desk.path, {"color": "#2f7bff", "line_width": 4})
+            shown[f"path {desk.version}"] = (desk.path, {"color": DRAWN, "line_width": 4})
         for name in [each for each in self._extra if each != "environment" and each not in shown]:
             self.plotter.remove_actor(self._extra.pop(name), render=False)
         for name, (places, looks) in shown.items():

@@ -132,7 +132,7 @@ def test_every_button_and_overlay_does_something(window):
         click(window, chosen(window, name))
         assert (window.picture()[:, : LEFT - 10] != plain[:, : LEFT - 10]).any(), name
         click(window, chosen(window, name))
-    assert not desk.overlays
+    assert desk.overlays == {"drawn"}
     click(window, chosen(window, "raking"))
     assert (window.picture()[:, : LEFT - 10] != plain[:, : LEFT - 10]).mean() > 0.05
     click(window, chosen(window, "seed 0"))
@@ -180,7 +180,24 @@ def test_a_stroke_is_one_step_and_goes_on_in_a_recipe_that_was_saved(window, tmp
     desk.do("undo")
     assert "grain" not in desk.session.recipe.fields_
     assert desk.session.value("direction") is None
+    desk.worker.wait()
+    desk.choose(tool="turn")
+    plain = window.picture().astype(int)
+    desk.choose(overlay="drawn")
     drawn(desk)
+    desk.do("set", "direction", None)
+    desk.do("set", "stress", None)
+    assert desk.worker.wait()
+    desk.choose(tool="turn")
+    assert np.abs(window.picture().astype(int) - plain)[:, : LEFT - 10].max() <= 2
+    desk.choose(overlay="drawn")
+    blue = window.picture().astype(int)[:, : LEFT - 10]
+    assert ((blue[..., 2] > 200) & (blue[..., 0] < 100)).sum() > 80
+    drawn(desk, tool="lines")
+    assert desk.worker.wait()
+    assert desk.message == "kept as 'drawn'; leather has no wrinkle_curves"
+    desk.do("undo")
+    desk.do("set", "direction", "grain")
     desk.do("save", tmp_path / "made.toml")
     again = Desk(load_recipe(tmp_path / "made.toml"), desk.surface, resolution=64)
     drawn(again, across=20)
