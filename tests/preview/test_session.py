@@ -87,6 +87,15 @@ def test_a_slider_that_moves_on_is_one_step(session):
     assert session.recipe == before
 
 
+def test_strokes_that_differ_in_numbers_alone_lie_in_files_of_their_own(session):
+    line, files = SurfacePoints([3, 40], np.full((2, 3), 1 / 3)), set()
+    for width in (0.5, 1.5):
+        session.stroke("fold", line, "curves", width_mm=width)
+        files.add(session.recipe.fields_["fold"].curves)
+        session.undo()
+    assert len(files) == 2
+
+
 def test_what_does_not_fit_changes_nothing(session):
     before = session.state
     for act in (
