@@ -33,9 +33,9 @@ def test_the_shell_loop_bakes_what_is_missing_and_goes_on(studio):
     first = subprocess.run(command, capture_output=True, text=True, env=environment())
     assert first.returncode == 1
     assert "bad.obj" in first.stderr
-    assert (studio / "out" / "torus-ostrich" / "torus.glb").is_file()
+    assert (studio / "out" / "torus.obj-ostrich" / "torus.glb").is_file()
     second = subprocess.run(command, capture_output=True, text=True, env=environment())
-    assert "torus-ostrich: up to date" in second.stdout
+    assert "torus.obj-ostrich: up to date" in second.stdout
 
 
 def test_the_driver_tells_every_job(studio):

@@ -126,11 +126,9 @@ def job_key(recipe: Recipe, contents: Mapping[str, bytes]) -> str:
     """
     from surftex import __version__
 
-    named = {path: Path(path).name for path in contents}
-    written = _renamed(recipe.written_out(), named)
-    digest = hashlib.sha256(json.dumps([__version__, written], sort_keys=True).encode())
-    for path in sorted(contents, key=lambda each: (named[each], contents[each])):
-        digest.update(f"\0{named[path]}\0{len(contents[path])}\0".encode() + contents[path])
+    named = {path: f"{Path(path).name} {hashlib.sha256(data).hexdigest()}" for path, data in contents.items()}
+    told = [__version__, _renamed(recipe.written_out(), named), sorted(named.values())]
+    digest = hashlib.sha256(json.dumps(told, sort_keys=True).encode())
     return digest.hexdigest()
 
 
@@ -309,7 +307,12 @@ def _unpacked(recipe: Recipe, contents: Mapping[str, bytes], scratch: Path) -> R
             here = {key: moved[value] for key, value in entry if isinstance(value, str) and value in moved}
             entry = entry.model_copy(update=here)
         fields[name] = entry
-    return recipe.model_copy(update={"mesh": mesh, "fields_": fields})
+    layers = []
+    for layer in recipe.layer:
+        material: Any = layer.material
+        here = {key: moved[str(getattr(material, key))] for key in layer.named_files}
+        layers.append(layer.model_copy(update={"material": material.model_copy(update=here)}))
+    return recipe.model_copy(update={"mesh": mesh, "fields_": fields, "layer": tuple(layers)})
 
 
 def _renamed(value: Any, named: Mapping[str, str]) -> Any:

@@ -290,6 +290,7 @@ class _Reader:
 
     def meshes(self) -> list[Path]:
         found: dict[Path, None] = {}
+        out = Path(os.path.normpath(self.root / self.written.out))  # what earlier runs have baked
         for i, pattern in enumerate(self.written.meshes):
             path = ("meshes", i)
             if not any(mark in pattern for mark in "*?["):
@@ -300,7 +301,11 @@ class _Reader:
                     f"{self.where(path)}meshes: {pattern!r} leaves the batch's folder; name those files one by one"
                 )
             try:
-                matches = sorted(each for each in self.root.glob(pattern) if each.is_file())
+                matches = sorted(
+                    each
+                    for each in self.root.glob(pattern)
+                    if each.is_file() and (out == self.root or not each.is_relative_to(out))
+                )
             except (ValueError, OSError) as problem:
                 raise RecipeError(f"{self.where(path)}meshes: {pattern!r} is no pattern: {problem}") from None
             if not matches:

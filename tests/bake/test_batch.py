@@ -14,11 +14,14 @@ from pathlib import Path
 
 import pytest
 
+import surftex
+from surftex.bake import jobs
 from surftex.bake.batch import run_batch
-from surftex.bake.jobs import LOCKS, job_lock
+from surftex.bake.jobs import LOCKS, job_contents, job_key, job_lock
 from surftex.errors import WorkError
 from surftex.files import output
 from surftex.recipe.batch import load_batch
+from surftex.recipe.model import Recipe
 
 JOBS = """
 surftex = 1
@@ -158,6 +161,44 @@ def test_files_by_bytes_are_the_files_by_path(studio):
     assert outputs(studio) == by_path
     report = json.loads((studio / "out" / "one-calf-1" / "report.json").read_text())
     assert report["recipe"]["mesh"]["path"] == str(studio / "one.obj")
+
+
+def test_a_job_is_another_when_two_files_of_one_name_change_places(tmp_path):
+    (tmp_path / "ball.obj").write_text(ball_text(10))
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "m.png").write_bytes(png() + name.encode())
+    keys = []
+    for one, two in (("a", "b"), ("b", "a"), ("a", "b")):
+        fields = {
+            "one": {"image": str(tmp_path / one / "m.png")},
+            "two": {"image": str(tmp_path / two / "m.png")},
+        }
+        layers = [{"preset": "calf", "mask": "one"}]
+        recipe = Recipe.model_validate(
+            {"mesh": {"path": str(tmp_path / "ball.obj")}, "fields": fields, "layer": layers}
+        )
+        keys.append(job_key(recipe, job_contents(recipe)))
+    assert keys[0] == keys[2] != keys[1]
+
+
+def test_files_of_layers_travel_too(tmp_path):
+    (tmp_path / "ball.obj").write_text(ball_text(10))
+    (tmp_path / "models").mkdir()
+    model = tmp_path / "models" / "mine.stex"
+    model.write_bytes(
+        (Path(surftex.__file__).parent / "materials" / "presets" / "composite" / "gravel.stex").read_bytes()
+    )
+    recipe = Recipe.model_validate(
+        {
+            "mesh": {"path": str(tmp_path / "ball.obj")},
+            "layer": [{"material": "composite", "model": str(model)}],
+        }
+    )
+    moved = jobs._unpacked(recipe, job_contents(recipe), tmp_path / "far")
+    assert moved.layer[0].material.model == str(tmp_path / "far" / "models" / "mine.stex")
+    assert Path(moved.layer[0].material.model).read_bytes() == model.read_bytes()
+    assert moved.mesh.path == str(tmp_path / "far" / "ball.obj")
 
 
 def png():

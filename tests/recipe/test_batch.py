@@ -112,6 +112,15 @@ def test_mistakes_are_told_where_they_stand(studio, text, said):
     assert str(caught.value).count("jobs.toml:") <= 1
 
 
+def test_a_glob_takes_no_mesh_that_the_batch_has_baked(studio):
+    text = 'meshes = ["**/*.obj"]\nmaterials = ["calf"]\n'
+    names = [job.name for job in batch(studio, text).jobs]
+    (studio / "out" / "bag-calf").mkdir(parents=True)
+    (studio / "out" / "bag-calf" / "bag.obj").write_text(MESH)
+    assert [job.name for job in batch(studio, text).jobs] == names
+    assert [job.name for job in batch(studio, text + 'out = "."').jobs] != names
+
+
 def test_a_batch_of_many_seeds_is_read_in_a_moment(studio):
     seeds = ", ".join(map(str, range(30_000)))
     began = time.process_time()
