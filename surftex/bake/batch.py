@@ -142,6 +142,8 @@ def run_batch(
     ------
     WorkError
         If the output cannot be written to, or the workers are gone.
+    KeyboardInterrupt
+        If it was interrupted; it says how many jobs are done. The report is written.
     """
     run = _Run(
         batch,
@@ -154,6 +156,8 @@ def run_batch(
     )
     try:
         return run.all()
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(run.cut_short("interrupted")) from None
     finally:
         if run.flights:
             workers.abandon()
@@ -281,12 +285,16 @@ class _Run:
         reason = self.workers.lost()
         if reason is None:
             return
+        raise WorkError(self.cut_short(reason))
+
+    def cut_short(self, reason: str) -> str:
+        """Report what has not ended as not started; gives the line that says how to go on."""
         for index in range(len(self.batch.jobs)):
             if index not in self.results:
                 self.results[index] = self.result(index, "not started", reason, 0.0, WorkError.exit_code)
         done = sum(result.state in ("done", "kept") for result in self.results.values())
         self.write()
-        raise WorkError(f"{reason}; {done} of {len(self.batch.jobs)} jobs are done, the same command goes on")
+        return f"{reason}; {done} of {len(self.batch.jobs)} jobs are done, the same command goes on"
 
     def fail(self, index: int, reason: str, code: int, wall_s: float = 0.0) -> None:
         """Note a failure."""

@@ -305,6 +305,21 @@ def test_a_scheduler_that_goes_ends_the_batch_in_a_line_and_it_can_go_on(studio)
     assert done_in(studio).exit_code == 0
 
 
+def test_an_interrupted_batch_says_what_is_done_and_reports_it(studio):
+    def told(result, ended, total):
+        if ended == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(
+        KeyboardInterrupt, match="^interrupted; 2 of 4 jobs are done, the same command goes on$"
+    ):
+        done_in(studio, told=told)
+    report = json.loads((studio / "out" / "batch-report.json").read_text())
+    assert report["states"] == {"done": 2, "kept": 0, "failed": 0, "not started": 2}
+    assert {job["reason"] for job in report["jobs"]} == {None, "interrupted"}
+    assert done_in(studio).count("kept") >= 2
+
+
 def started(studio, *more):
     return subprocess.Popen(
         [sys.executable, "-m", "surftex", "batch", "jobs.toml", "--workers", "2", *more],
@@ -382,6 +397,7 @@ def test_an_interrupted_batch_ends_cleanly(studio):
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 130, stderr
+    assert stderr.splitlines()[-1] == ("surftex: interrupted; 0 of 4 jobs are done, the same command goes on")
     assert "Traceback" not in stderr
     until(lambda: not any(pid in children(1) or Path(f"/proc/{pid}/fd/0").exists() for pid in workers), 20)
     names = {path.name for path in (studio / "out").iterdir()}
