@@ -21,6 +21,7 @@ from surftex.bake.jobs import (
     job_lock,
     perform,
     prepared,
+    told_warnings,
     write_files,
 )
 from surftex.errors import SurftexError, WorkError
@@ -54,6 +55,8 @@ class JobResult:
         Of its files.
     exit_code : int
         That the command would have ended with.
+    warnings : tuple of str
+        Of its bake.
     """
 
     name: str
@@ -62,6 +65,7 @@ class JobResult:
     wall_s: float
     folder: str
     exit_code: int = 0
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -229,7 +233,7 @@ class _Run:
                 contents = job_contents(job.recipe)
                 key = job_key(job.recipe, contents)
                 if self.resume and is_done(folder, key):
-                    self.finish(index, "kept", None, 0.0)
+                    self.finish(index, "kept", None, 0.0, warnings=told_warnings(folder))
                     return True
                 prepared(job, folder, overwrite=self.overwrite)
             except SurftexError as problem:
@@ -263,7 +267,7 @@ class _Run:
                     f"the worker failed: {type(problem).__name__}: {problem}", WorkError.exit_code
                 )
             if outcome.problem is None:
-                self.finish(flight.index, "done", None, outcome.wall_s)
+                self.finish(flight.index, "done", None, outcome.wall_s, warnings=outcome.warnings)
             else:
                 self.fail(flight.index, outcome.problem, outcome.exit_code, outcome.wall_s)
 
@@ -301,15 +305,21 @@ class _Run:
         self.stopping = not self.keep_going
         self.finish(index, "failed", reason, wall_s, code)
 
-    def finish(self, index: int, state: State, reason: str | None, wall_s: float, code: int = 0) -> None:
+    def finish(
+        self, index: int, state: State, reason: str | None, wall_s: float, code: int = 0,
+        warnings: tuple[str, ...] = (),
+    ) -> None:  # fmt: skip
         """Note a result, and tell it."""
-        self.results[index] = self.result(index, state, reason, wall_s, code)
+        self.results[index] = self.result(index, state, reason, wall_s, code, warnings)
         if self.told is not None:
             self.told(self.results[index], len(self.results), len(self.batch.jobs))
 
-    def result(self, index: int, state: State, reason: str | None, wall_s: float, code: int) -> JobResult:
+    def result(
+        self, index: int, state: State, reason: str | None, wall_s: float, code: int,
+        warnings: tuple[str, ...] = (),
+    ) -> JobResult:  # fmt: skip
         job: Job = self.batch.jobs[index]
-        return JobResult(job.name, state, reason, wall_s, str(self.folder(index)), code)
+        return JobResult(job.name, state, reason, wall_s, str(self.folder(index)), code, warnings)
 
     def folder(self, index: int) -> Path:
         """Folder of a job."""

@@ -75,6 +75,8 @@ class Outcome:
         Of its process so far.
     files : mapping of str to bytes
         Where the worker was to hand them back.
+    warnings : tuple of str
+        Of the bake.
     """
 
     problem: str | None = None
@@ -82,6 +84,7 @@ class Outcome:
     wall_s: float = 0.0
     peak_rss_mb: float = 0.0
     files: Mapping[str, bytes] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
 
 def job_contents(recipe: Recipe) -> dict[str, bytes]:
@@ -153,6 +156,22 @@ def is_done(folder: Path, key: str) -> bool:
         return report.get("job_key") == key and listed.items() <= file_hashes(folder).items()
     except (OSError, ValueError, KeyError, TypeError):
         return False
+
+
+def told_warnings(folder: Path) -> tuple[str, ...]:
+    """Read again what the bake of a job that is done had warned of.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a job that `is_done`.
+
+    Returns
+    -------
+    warnings : tuple of str
+        A line each.
+    """
+    return tuple(json.loads((folder / "report.json").read_text("utf-8")).get("warnings", ()))
 
 
 def prepared(job: Job, folder: Path, *, overwrite: bool) -> None:
@@ -232,33 +251,35 @@ def perform(task: Task) -> Outcome:
     from surftex.bake.stages import peak_rss_mb
 
     started = time.perf_counter()
-    problem, code, files = None, 0, {}
+    problem, code, files, warnings = None, 0, {}, ()
     try:
-        files = _performed(task)
+        files, warnings = _performed(task)
     except SurftexError as failure:
         problem, code = str(failure), failure.exit_code
     except MemoryError:
         problem, code = "not enough memory; lower the resolution, or use fewer workers", WorkError.exit_code
     except Exception as failure:  # noqa: BLE001  (one job must not take the others with it)
         problem, code = f"unexpected failure: {type(failure).__name__}: {failure}", WorkError.exit_code
-    return Outcome(problem, code, round(time.perf_counter() - started, 3), peak_rss_mb(), files)
+    return Outcome(problem, code, round(time.perf_counter() - started, 3), peak_rss_mb(), files, warnings)
 
 
-def _performed(task: Task) -> dict[str, bytes]:
+def _performed(task: Task) -> tuple[dict[str, bytes], tuple[str, ...]]:
+    """Do a job; gives the files that are handed back, and the warnings of the bake."""
     if task.contents is None and task.folder is not None:
-        _bake_into(task.recipe, task, Path(task.folder))
-        return {}
+        return {}, _bake_into(task.recipe, task, Path(task.folder))
     with tempfile.TemporaryDirectory(prefix="surftex-") as scratch:
         recipe = task.recipe
         if task.contents is not None:
             recipe = _unpacked(recipe, task.contents, Path(scratch) / "in")
         folder = Path(task.folder) if task.folder is not None else Path(scratch) / "out"
-        _bake_into(recipe, task, folder)
-        return {} if task.folder is not None else {path.name: path.read_bytes() for path in folder.iterdir()}
+        warnings = _bake_into(recipe, task, folder)
+        if task.folder is not None:
+            return {}, warnings
+        return {path.name: path.read_bytes() for path in folder.iterdir()}, warnings
 
 
-def _bake_into(recipe: Recipe, task: Task, folder: Path) -> None:
-    """Bake and save; the report names the recipe as it was given, and the job's key."""
+def _bake_into(recipe: Recipe, task: Task, folder: Path) -> tuple[str, ...]:
+    """Bake and save; the report names the recipe as it was given, and the job's key. Gives the warnings."""
     from surftex.bake.bake import run
     from surftex.bake.saving import save
 
@@ -266,6 +287,7 @@ def _bake_into(recipe: Recipe, task: Task, folder: Path) -> None:
     report = {**baked.maps.report, "recipe": task.recipe.written_out(), "job_key": task.key}
     maps = replace(baked.maps, report=report)
     save(replace(baked, maps=maps), folder, overwrite=task.overwrite, threads=task.threads)
+    return tuple(report["warnings"])
 
 
 def write_files(folder: Path, files: Mapping[str, bytes], *, overwrite: bool) -> None:

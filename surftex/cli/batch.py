@@ -116,6 +116,9 @@ class _Watch:
                 else result.reason or "as an earlier run left it"
             )
             note(f"[{ended}/{total}] {result.name}: {result.state}: {what}")
+        if result.state == "done" and not self.quiet:
+            for warning in result.warnings:
+                note(f"{result.name}: warning: {warning}")
 
 
 def _plan(batch: Batch, options: Namespace) -> None:

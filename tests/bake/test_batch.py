@@ -305,13 +305,29 @@ def test_a_scheduler_that_goes_ends_the_batch_in_a_line_and_it_can_go_on(studio)
     assert done_in(studio).exit_code == 0
 
 
+@pytest.mark.parametrize("by_bytes", [False, True])
+def test_warnings_of_the_bakes_are_told_and_reported(studio, by_bytes, capsys):
+    from argparse import Namespace
+
+    from surftex.cli.batch import _Watch
+
+    (studio / "jobs.toml").write_text(JOBS.replace('units = "mm"\n', "").replace("[1, 2]", "[1]"))
+    watch = _Watch(Namespace(quiet=False), 2)
+    done = done_in(studio, by_bytes=by_bytes, told=watch)
+    assert all("taken as" in " ".join(result.warnings) for result in done.results)
+    assert "one-calf-1: warning: " + done.results[0].warnings[0] in capsys.readouterr().err
+    assert [result.warnings for result in done_in(studio).results] == [each.warnings for each in done.results]
+    report = json.loads((studio / "out" / "batch-report.json").read_text())
+    assert [job["warnings"] for job in report["jobs"]] == [list(each.warnings) for each in done.results]
+
+
 def test_an_interrupted_batch_says_what_is_done_and_reports_it(studio):
     def told(result, ended, total):
         if ended == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(
-        KeyboardInterrupt, match="^interrupted; 2 of 4 jobs are done, the same command goes on$"
+        KeyboardInterrupt, match=r"^interrupted; 2 of 4 jobs are done, the same command goes on$"
     ):
         done_in(studio, told=told)
     report = json.loads((studio / "out" / "batch-report.json").read_text())
