@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
-from surftex.bake.executors import Workers
+from surftex.bake.executors import Workers, given_up
 from surftex.bake.jobs import (
     Outcome,
     Task,
@@ -32,6 +32,7 @@ from surftex.recipe.batch import REPORT, Batch, Job
 MOST_DEATHS = 2
 """A job whose worker was killed this often, alone on the machine the last time, has failed."""
 
+_KILLED = "its worker was killed; out of memory? Try a lower resolution"
 _RETRY_S = 0.5
 
 State = Literal["done", "kept", "failed", "not started"]
@@ -263,9 +264,12 @@ class _Run:
             except SurftexError as problem:
                 outcome = Outcome(str(problem), problem.exit_code)
             except Exception as problem:  # noqa: BLE001  (a cluster has failures of its own)
-                outcome = Outcome(
-                    f"the worker failed: {type(problem).__name__}: {problem}", WorkError.exit_code
+                what = (
+                    _KILLED
+                    if given_up(problem)
+                    else f"the worker failed: {type(problem).__name__}: {problem}"
                 )
+                outcome = Outcome(what, WorkError.exit_code)
             if outcome.problem is None:
                 self.finish(flight.index, "done", None, outcome.wall_s, warnings=outcome.warnings)
             else:
@@ -278,9 +282,7 @@ class _Run:
         index = flight.index
         self.deaths[index] = self.deaths.get(index, 0) + 1
         if self.deaths[index] >= MOST_DEATHS:
-            self.fail(
-                index, "its worker was killed; out of memory? Try a lower resolution", WorkError.exit_code
-            )
+            self.fail(index, _KILLED, WorkError.exit_code)
         else:
             self.suspects.append(index)
 

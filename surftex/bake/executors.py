@@ -7,15 +7,25 @@ import logging
 import multiprocessing
 import os
 import signal
+import socket
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from typing import Any, Protocol
+from urllib.parse import urlsplit
 
 from surftex.errors import InputError, WorkError
 from surftex.kernels.pool import thread_count
+
+PATIENCE_S = 60.0
+"""A cluster that has had no worker for this long is given up."""
+
+_ANSWER_S = 10.0
+_LOOK_S = 2.0
 
 
 class Workers(Protocol):
@@ -126,10 +136,20 @@ class ClusterWorkers:
         Of the scheduler, for messages.
     count : int
         Jobs that run side by side.
+    telling : callable, optional
+        Told a line when the last worker goes, and when one comes.
+    clock : callable
+        Seconds.
     """
 
-    def __init__(self, client: Any, address: str, count: int) -> None:
+    def __init__(
+        self, client: Any, address: str, count: int, telling: Callable[[str], None] | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:  # fmt: skip
         self.client, self.address, self.count, self.threads = client, address, count, 1
+        self._telling, self._clock = telling, clock
+        self._looked = clock()
+        self._deserted: float | None = None
         self._executor: Executor = client.get_executor(pure=False)
 
     def executor(self) -> Executor:
@@ -156,16 +176,44 @@ class ClusterWorkers:
         self._executor.shutdown(wait=False)
 
     def lost(self) -> str | None:
-        """Look whether the scheduler is there.
+        """Look whether the scheduler is there, and has workers; these may stay away for `PATIENCE_S`.
 
         Returns
         -------
         reason : str or None
             One line.
         """
-        if self.client.status == "running":
+        if self.client.status != "running":
+            return f"the scheduler at {self.address} is gone"
+        now = self._clock()
+        if now - self._looked < _LOOK_S:
             return None
-        return f"the scheduler at {self.address} is gone"
+        self._looked = now
+        try:
+            there = bool(self.client.nthreads())
+        except (OSError, TimeoutError):
+            return None  # the status will tell
+        return self._attended(now) if there else self._alone(now)
+
+    def _attended(self, now: float) -> None:
+        if self._deserted is not None:
+            self._tell(f"workers are there again after {now - self._deserted:.0f} s")
+        self._deserted = None
+
+    def _alone(self, now: float) -> str | None:
+        if self._deserted is None:
+            self._deserted = now
+            self._tell(
+                f"the scheduler at {self.address} has no workers any more; waiting {PATIENCE_S:.0f} s for one, "
+                f"such as dask worker {self.address}"
+            )
+        if now - self._deserted < PATIENCE_S:
+            return None
+        return f"the scheduler at {self.address} has had no workers for {PATIENCE_S:.0f} s"
+
+    def _tell(self, line: str) -> None:
+        if self._telling is not None:
+            self._telling(line)
 
 
 @contextmanager
@@ -203,7 +251,9 @@ def local_workers(
 
 
 @contextmanager
-def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterWorkers]:
+def cluster_workers(
+    address: str, count: int | None = None, telling: Callable[[str], None] | None = None
+) -> Iterator[ClusterWorkers]:
     """Lend the workers of a Dask cluster.
 
     Parameters
@@ -212,6 +262,8 @@ def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterW
         Of its scheduler, such as ``tcp://host:8786``.
     count : int, optional
         Jobs that run side by side; as many as the cluster has threads without it.
+    telling : callable, optional
+        Told a line when the last worker goes, and when one comes.
 
     Yields
     ------
@@ -226,11 +278,13 @@ def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterW
         If no scheduler or no worker answers.
     """
     try:
+        from dask import config
         from distributed import Client
     except ImportError:
         raise InputError("--scheduler needs Dask; install it with pip install 'surftex[cluster]'") from None
+    _check_address(address)
     try:
-        client = Client(address, timeout=10, set_as_default=False)
+        client = Client(address, timeout=_ANSWER_S, set_as_default=False)
     except (OSError, TimeoutError):
         raise WorkError(f"no scheduler answers at {address}; start one with dask scheduler") from None
     except ValueError as problem:
@@ -245,10 +299,44 @@ def cluster_workers(address: str, count: int | None = None) -> Iterator[ClusterW
             raise WorkError(
                 f"the scheduler at {address} has no workers; start some with dask worker {address}"
             )
-        yield ClusterWorkers(client, address, count or threads)
+        # Meshes that are sent as bytes are no mistake that Dask should warn of.
+        with config.set({"distributed.admin.large-graph-warning-threshold": "1 TiB"}):
+            yield ClusterWorkers(client, address, count or threads, telling)
     finally:
         client.close(timeout=5)
         talk.setLevel(usual)
+
+
+def given_up(problem: BaseException) -> bool:
+    """Tell whether a cluster gave a job up because every worker died of it.
+
+    Parameters
+    ----------
+    problem : BaseException
+        That the job's future holds.
+
+    Returns
+    -------
+    given_up : bool
+        False without Dask.
+    """
+    distributed: Any = sys.modules.get("distributed")
+    return distributed is not None and isinstance(problem, distributed.KilledWorker)
+
+
+def _check_address(address: str) -> None:
+    """Refuse what is no address, or where nobody listens: a client of Dask takes long to find out."""
+    try:
+        parts = urlsplit(address if "://" in address else f"tcp://{address}")
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host = port = parts = None
+    if parts is None or parts.scheme not in ("tcp", "tls", "ws", "wss") or not host or not port:
+        raise InputError(f"{address!r} is no address of a scheduler; it takes one such as tcp://host:8786")
+    try:
+        socket.create_connection((host, port), timeout=_ANSWER_S).close()
+    except (OSError, UnicodeError):
+        raise WorkError(f"no scheduler answers at {address}; start one with dask scheduler") from None
 
 
 def _attend(held: Connection) -> None:

@@ -34,7 +34,7 @@ def run(options: Namespace) -> None:
     from surftex.bake.executors import cluster_workers, local_workers
 
     lending: Any = (
-        cluster_workers(options.scheduler, options.workers)
+        cluster_workers(options.scheduler, options.workers, None if options.quiet else note)
         if options.scheduler
         else local_workers(options.workers, starting=lambda: _warm(options))
     )

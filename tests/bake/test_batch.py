@@ -287,6 +287,29 @@ def test_a_job_that_kills_its_worker_twice_fails_and_the_others_go_on(studio):
     assert workers.renewed == 2
 
 
+def test_a_job_that_a_cluster_gave_up_has_the_line_of_a_killed_worker(studio, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    dead = Future()
+    dead.set_exception(distributed.KilledWorker("job", None, 3))
+    workers = Here()
+    monkeypatch.setattr(workers, "executor", lambda: Given(dead))
+    result = run_batch(load_batch(studio / "jobs.toml"), workers)
+    assert result.results[0].reason == "its worker was killed; out of memory? Try a lower resolution"
+    assert result.exit_code == 3
+
+
+class Given:
+    """An executor whose jobs all end in the same way."""
+
+    def __init__(self, future):
+        self.future = future
+
+    def submit(self, work, task):
+        same = Future()
+        same.set_exception(self.future.exception())
+        return same
+
+
 class Deserted(Here):
     """Workers whose scheduler goes while the first jobs are done."""
 
