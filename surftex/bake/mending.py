@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from surftex.bake.texturing import drawn_maps, picture_place, write_maps
 from surftex.errors import InputError
 from surftex.exemplar.composite import CompositeModel
-from surftex.exemplar.erosion import erosion_series
+from surftex.exemplar.erosion import check_steps, erosion_series
 from surftex.exemplar.labels import LabelModel
 from surftex.exemplar.mending import fill, knit
 from surftex.exemplar.model import TextureModel
@@ -169,10 +169,16 @@ def erode_file(
         If a picture cannot be written.
     """
     target = picture_place(out)
+    check_steps(shrink, grow)
     width, height = size or (512, 512)
     series: list[dict[str, NDArray[np.uint8]]]
     model = load_model(subject) if Path(subject).suffix.lower() in SUFFIXES else None
     if isinstance(model, CompositeModel):
+        if model.over is None:
+            raise InputError(
+                f"{printable(str(subject))}: no label of this model lies over the others; learn it with one that "
+                "does (over)"
+            )
         ages = range(-shrink, grow + 1)
         series = [
             drawn_maps(
@@ -192,7 +198,7 @@ def erode_file(
             )
         if worn.max() != 1:
             raise InputError(
-                f"{printable(str(subject))}: has {int(worn.max()) + 1} labels; what is worn is a mask of two"
+                f"{printable(str(subject))}: has labels up to number {int(worn.max())}; what is worn is a mask of two, 0 and 1"
             )
         masks = erosion_series(worn, shrink=shrink, grow=grow, wrap=model is not None)
         series = [{"picture": np.where(each, 255, 0).astype(np.uint8)} for each in masks]

@@ -45,13 +45,31 @@ def erosion_series(
     worn = np.asarray(mask)
     if worn.ndim != 2 or worn.size == 0:
         raise InputError(f"the mask has shape {worn.shape}; it takes (height, width)")
-    if not (0 <= shrink <= MOST_STEPS and 0 <= grow <= MOST_STEPS):
-        raise InputError(f"shrink and grow are {shrink} and {grow}; they take 0 to {MOST_STEPS} steps")
+    check_steps(shrink, grow)
     plane = Plane.of(worn.shape[0], worn.shape[1], 1, wrap=wrap)
     place = np.zeros(plane.places, bool)
     place[plane.site] = worn.ravel() > 0
     age = worn_after(plane, place, back=shrink, on=grow)
     return [(age <= step).reshape(worn.shape) for step in range(-shrink, grow + 1)]
+
+
+def check_steps(shrink: int, grow: int) -> None:
+    """Check the steps of a series.
+
+    Parameters
+    ----------
+    shrink : int
+        Steps back.
+    grow : int
+        Steps on.
+
+    Raises
+    ------
+    InputError
+        If one of them is below 0 or above `MOST_STEPS`.
+    """
+    if not (0 <= shrink <= MOST_STEPS and 0 <= grow <= MOST_STEPS):
+        raise InputError(f"shrink and grow are {shrink} and {grow}; they take 0 to {MOST_STEPS} steps")
 
 
 def worn_after(lattice: Lattice, mask: NDArray[np.bool_], *, back: int, on: int) -> NDArray[np.int32]:

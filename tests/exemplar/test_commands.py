@@ -126,6 +126,22 @@ def test_a_composite_is_learnt_and_drawn_and_aged(stones, capsys):
     assert main(["learn", "rock.png", "--labels", "labels.png", "--segment", "2", "-o", "x.stex"]) == 2
     assert main(["erode", "rock.stex", "-o", "age.png", "--size", "32x32", "--grow", "1", "-q"]) == 0
     assert [path.name for path in sorted(stones.glob("age_?.png"))] == ["age_0.png", "age_1.png", "age_2.png"]
+    for shrink, grow in (("-4", "3"), ("-2", "3"), ("1", "-3"), ("1", "1001")):
+        steps = [f"--shrink={shrink}", f"--grow={grow}", "--size", "32x32"]
+        assert main(["erode", "rock.stex", "-o", "never.png", *steps]) == 2
+        assert "they take 0 to 1000 steps" in capsys.readouterr().err
+
+
+def test_a_composite_that_nothing_lies_over_is_not_worn(stones, capsys):
+    label = patches(96)
+    Image.fromarray(patchwork(label)).save("rock.png")
+    Image.fromarray((label * 100).astype(np.uint8)).save("labels.png")
+    learn = ["learn", "rock.png", "--labels", "labels.png", "--order", "pair", "--pairs", "3"]
+    assert main([*learn, "-o", "rock.stex", "-q"]) == 0
+    assert (
+        main(["erode", "rock.stex", "-o", "age.png", "--size", "32x32", "--shrink", "0", "--grow", "0"]) == 2
+    )
+    assert "lies over" in capsys.readouterr().err
 
 
 def test_masks_and_layouts_are_worn(stones, capsys):
