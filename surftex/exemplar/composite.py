@@ -412,8 +412,10 @@ def learn_composite(
     picture, names, _ = checked_picture(image, height=height, roughness=roughness)
     label = checked_labels(labels, (picture.shape[0], picture.shape[1]))
     last = int(label.max())
+    if over and not last:
+        raise InputError("the label map holds one label only; nothing lies over another")
     under = label < last if over else np.ones(label.shape, bool)
-    layout, leaf = _layout(_beneath(label, under), within or {})
+    layout, leaf = _layout(_beneath(label, under), within or {}, alone=over)
     cover = learn_labels((~under).astype(np.uint8)) if over else None
     label = np.where(under, leaf, layout.leaves).astype(np.uint8)
     count = layout.leaves + over
@@ -438,13 +440,15 @@ def _beneath(label: NDArray[np.uint8], under: NDArray[np.bool_]) -> NDArray[np.u
     return label[nearest[0], nearest[1]]
 
 
-def _layout(label: NDArray[np.uint8], within: Mapping[int, ArrayLike]) -> tuple[Layout, NDArray[np.uint8]]:
-    """Learn the layouts, and number the leaves."""
+def _layout(
+    label: NDArray[np.uint8], within: Mapping[int, ArrayLike], *, alone: bool
+) -> tuple[Layout, NDArray[np.uint8]]:
+    """Learn the layouts, and number the leaves; one label is enough where it may be ``alone``."""
     count = int(label.max(initial=0)) + 1
     odd = [each for each in within if not 0 <= each < count]
     if odd:
         raise InputError(f"label {odd[0]} is parted, but labels run from 0 to {count - 1}")
-    if count < 2:
+    if count < 2 and not alone:
         raise InputError("the label map holds one label only; learn the picture without it")
     parts: list[Layout | None] = [None] * count
     maps = [label]
@@ -457,7 +461,7 @@ def _layout(label: NDArray[np.uint8], within: Mapping[int, ArrayLike]) -> tuple[
         own[here] = numbered
         parts[each] = Layout(learn_labels(own, mask=here), (None,) * len(kinds))
         maps.append(own)
-    layout = Layout(learn_labels(label), tuple(parts))
+    layout = Layout(learn_labels(label, least=1 if alone else 2), tuple(parts))
     return layout, layout.joined(maps)
 
 

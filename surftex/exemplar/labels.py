@@ -185,7 +185,7 @@ class LabelModel:
         save_model(self, path)
 
 
-def learn_labels(labels: ArrayLike, *, mask: ArrayLike | None = None) -> LabelModel:
+def learn_labels(labels: ArrayLike, *, mask: ArrayLike | None = None, least: int = 2) -> LabelModel:
     """Learn how labels lie beside one another.
 
     Parameters
@@ -194,6 +194,8 @@ def learn_labels(labels: ArrayLike, *, mask: ArrayLike | None = None) -> LabelMo
         From 0 on, at most 8 labels; at least 32 x 32.
     mask : (h, w) bool, optional
         Pixels that count.
+    least : int
+        Labels that there must be; 1 allows a map of a single one, whose layout is constant.
 
     Returns
     -------
@@ -217,7 +219,7 @@ def learn_labels(labels: ArrayLike, *, mask: ArrayLike | None = None) -> LabelMo
         raise InputError(f"the mask has shape {inside.shape}, the label map {label.shape}")
     present = label[inside]
     count = int(present.max(initial=0)) + 1
-    if count < 2:
+    if count < least:
         raise InputError("the label map holds one label only; there is no layout to learn")
     share = np.bincount(present, minlength=count) / max(1, len(present))
     scales = [np.where(inside, label, MISSING).astype(np.uint8)]

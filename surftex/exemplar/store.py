@@ -332,7 +332,7 @@ def _target_read(written: dict[str, Any]) -> Target:
         written[key].astype(np.int32) for key in ("pair_type", "quad_band", "quad_shape")
     )
     kinds, fours = len(pair_type), len(quad_band)
-    if not (1 <= groups <= 8 and 1 <= bands <= 5 and 2 <= levels <= (8 if joint else 32)):
+    if not (1 <= groups <= 8 and 1 <= bands <= 5 and (1 if joint else 2) <= levels <= (8 if joint else 32)):
         raise ValueError(f"{groups} groups of {bands} bands with {levels} levels")
     if max(kinds, fours) > _MOST_CLIQUES or levels != written["levels"]:
         raise ValueError(f"{kinds} pairs and {fours} quads")

@@ -120,3 +120,14 @@ def test_a_picture_is_parted_by_itself():
     for labels, scale in ((1, 2.0), (9, 2.0), (2, 0.0)):
         with pytest.raises(InputError, match=r"it takes|is parted into"):
             sx.segment(PICTURE, labels, scale=scale)
+
+
+def test_one_ground_is_enough_for_what_lies_over_it():
+    label = cracks(160).astype(np.uint8)
+    model = sx.learn_composite(patchwork(label), label, over=True, order="pair", pairs=6)
+    assert model.labels == 2
+    read = unpacked(packed(model))
+    shares = [(read.maps(64, 64, 1, age=age, sweeps=4)["labels"] == 1).mean() for age in (-1, 0, 2)]
+    assert 0 <= shares[0] < shares[1] < shares[2] < 1
+    with pytest.raises(InputError, match="one label only"):
+        sx.learn_composite(patchwork(label), np.zeros_like(label), over=True)
