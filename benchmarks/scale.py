@@ -23,7 +23,7 @@ import numpy as np
 
 MESHES = Path(__file__).resolve().parent.parent / "meshes"
 
-JOBS, ROUNDS = 14, 2
+JOBS, ROUNDS = 40, 2
 """Bakes of a batch, and how often each way of doing them is timed; the best counts."""
 
 MATERIALS: dict[str, tuple[Any, ...]] = {"goat": (8, "--set", 'cell_size="4 mm"'), "skin": (9,)}

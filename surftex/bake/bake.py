@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from surftex.bake.stages import Progress, Stages
 from surftex.errors import InputError, WorkError
+from surftex.kernels.pool import one_blas_thread
 from surftex.recipe.model import MeshSettings, Recipe
 from surftex.recipe.read import load_recipe, recipe_for
 from surftex.surface.surface import Surface
@@ -157,9 +158,10 @@ def run(
 
         check_usd()
     try:
-        return _bake(
-            subject, recipe, features, threads, tile, Stages(progress), remember=remember, growth=growth
-        )
+        with one_blas_thread():
+            return _bake(
+                subject, recipe, features, threads, tile, Stages(progress), remember=remember, growth=growth
+            )
     except MemoryError:
         side = recipe.bake.resolution
         raise WorkError(

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
 from surftex.fields.sources import SpannedField, corner_field
-from surftex.geodesics.factors import one_blas_thread
+from surftex.kernels.pool import one_blas_thread
 from surftex.surface.surface import Surface
 
 

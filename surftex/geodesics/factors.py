@@ -5,12 +5,13 @@ those between two halves are eliminated last. A sphere of 41,000 vertices takes 
 orders that come with scipy.
 """
 
-from contextlib import AbstractContextManager
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, csr_array
+
+from surftex.kernels.pool import one_blas_thread
 
 _LEAF = 64
 
@@ -103,19 +104,6 @@ def solved_by_steps(
         along *= level / before
         along += scale * left
     return result
-
-
-def one_blas_thread() -> AbstractContextManager[Any]:
-    """Keep BLAS on one thread: on small blocks several mostly wait, and rounding would depend on their number.
-
-    Returns
-    -------
-    context : context manager
-        In force until it is left.
-    """
-    from threadpoolctl import threadpool_limits
-
-    return threadpool_limits(limits=1, user_api="blas")
 
 
 def nested_order(rows: csr_array, vertices: NDArray[np.float64]) -> NDArray[np.int64]:

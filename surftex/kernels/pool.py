@@ -4,7 +4,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -163,3 +163,16 @@ def slices(
                 future.cancel()
             raise
         return [future.result() for future in futures]
+
+
+def one_blas_thread() -> AbstractContextManager[Any]:
+    """Keep BLAS on one thread: on small blocks several mostly wait, and rounding would depend on their number.
+
+    Returns
+    -------
+    context : context manager
+        In force until it is left.
+    """
+    from threadpoolctl import threadpool_limits
+
+    return threadpool_limits(limits=1, user_api="blas")
