@@ -181,18 +181,24 @@ def front():
 
 
 def bags():
-    """The bag in ostrich and in crocodile: far, near, and across a seam."""
+    """The bag in ostrich, in crocodile, and in crocodile that passes from belly to flank: far, near, and across a seam."""
     surface = load(MESHES / "handbag.obj", units="mm")
-    for hide in ("ostrich", "crocodile"):
-        three_scales(
-            surface,
-            sx.Leather.preset(hide),
-            (0, 0, 61),
-            (149, 0, 0),
-            f"bag-{hide}",
-            resolution=2048,
-            zooms=(3.0, 6.0),
-        )
+    graded = str(MESHES / "handbag_crocodile.toml")
+    for hide, name in (
+        ("ostrich", "bag-ostrich"),
+        ("crocodile", "bag-crocodile"),
+        (graded, "bag-crocodile-graded"),
+    ):
+        near = (100, -40, 50) if hide == graded else (0, 0, 61)
+        three_scales(surface, hide, near, (149, 0, 0), name, resolution=2048, zooms=(3.0, 6.0))
+
+
+def strap():
+    """A watch strap in stingray with the row of large pearls along its middle: far, near, and across a seam."""
+    surface = load(MESHES / "watch_strap.obj", units="mm", part="leather")
+    recipe = str(MESHES / "watch_strap_stingray.toml")
+    place = (35, 0, 0)
+    three_scales(surface, recipe, place, place, "strap-stingray", zooms=(3.0, 6.0))
 
 
 def skin_colours():
@@ -239,6 +245,7 @@ PICTURES = {
         front,
         hides,
         bags,
+        strap,
         shoe,
         chair,
         real_head,

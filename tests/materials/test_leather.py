@@ -2,18 +2,22 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import label
 from scipy.spatial import cKDTree
 
 import surftex as sx
+from surftex.bake.fields import make_fields
 from surftex.bake.stack import counted
 from surftex.errors import RecipeError
 from surftex.features.uniform import area_points
 from surftex.fields.fieldset import FieldSet
+from surftex.files.meshes import load
 from surftex.geodesics.directions import DirectionField
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
+from surftex.recipe.read import load_recipe
 from surftex.surface.closest import closest_points
-from surftex.surface.points import Samples
+from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.shapes import plane, sphere
 
 PLAIN = {"wrinkle_density": 0.0, "grain_height": 0.0}
@@ -164,6 +168,36 @@ def test_sizes_vary_in_patches():
     low, high = np.percentile(nearest[0.6], (5, 95))
     assert 0.4 <= nearest[0.6].min() < low < 0.75
     assert 1.3 < high < 1.8
+
+
+def test_small_cells_do_not_make_the_borders_of_large_ones_ragged():
+    sheet, side = plane(100.0, cells=12), 160
+    x, y = np.meshgrid(
+        (np.arange(side) + 0.5) * 40 / side, (np.arange(side) + 0.5) * 100 / side, indexing="ij"
+    )
+    points, _ = closest_points(sheet, np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1))
+    leather = Leather(cell_size="mix(2, 14, smoothstep(55, 40, x))", waviness=0.05, regularity=4)
+    pattern = leather.place(sheet, 4, fields=FieldSet(sheet))
+    own = pattern.at(Samples(points, np.full(len(points), 0.1, np.float32)))["region"].reshape(side, side)
+    pieces = sum(label(own == cell)[1] for cell in np.unique(own))
+    assert pieces == len(np.unique(own))  # 28; where waves answer to the cell's own size alone, 61
+
+
+def test_recipes_of_the_shipped_meshes_grade_their_scales(meshes):
+    for name, middle, rim in (
+        (
+            "handbag_crocodile.toml",
+            lambda p: (np.abs(p[:, 0]) < 40) & (p[:, 1] < 0),
+            lambda p: np.abs(p[:, 0]) > 140,
+        ),
+        ("watch_strap_stingray.toml", lambda p: np.abs(p[:, 2]) < 0.5, lambda p: np.abs(p[:, 2]) > 6),
+    ):
+        recipe = load_recipe(meshes / name, changes=["layer.regularity=0"])
+        surface = load(recipe.mesh.path, units=recipe.mesh.units, part=recipe.mesh.part)
+        pattern = recipe.layer[0].material.place(surface, 7, fields=make_fields(recipe, surface))
+        table = pattern.features["cell"]
+        place = SurfacePoints(table["face"], table["barycentric"]).positions(surface) + surface.origin_mm
+        assert np.median(table["major_mm"][middle(place)]) > 2.2 * np.median(table["major_mm"][rim(place)])
 
 
 def test_plates_meet_without_a_step_where_their_furrow_is_faint():

@@ -29,6 +29,9 @@ REACH = 2.6
 
 _BOX_EXPONENT = 5.0
 
+_WAVED = 1.5
+"""Sizes in medians beyond which borders waver no farther: the noise has one wavelength, and would bite into large cells."""
+
 _KEPT = 16
 """Distances between sites that are kept at hand from sample to sample."""
 
@@ -129,11 +132,12 @@ class Cells:
         inscribed = np.full(len(sites), np.inf)
         np.minimum.at(inscribed, index, apart / 2)
         theta = 2 * np.pi * random.uniform(len(sites))[:, 0]
+        waved = np.minimum(major, _WAVED * np.median(major)) if len(major) else major
         return Cells(
             records, frozen(major), frozen(stretch), frozen(angle), frozen(start), frozen(other), frozen(apart),
             frozen(sites.positions(surface)),
             frozen(np.where(np.isfinite(inscribed), inscribed, major)),
-            frozen(np.stack([np.cos(theta), np.sin(theta)], axis=1) * (major**2)[:, None]),
+            frozen(np.stack([np.cos(theta), np.sin(theta)], axis=1) * (major * waved)[:, None]),
             leather.cell_shape, neighbours_of(leather), random.key,
         )  # fmt: skip
 
