@@ -1,4 +1,4 @@
-"""A bottle with a wall: outside, lip, inside; its UV are the angle and the length along the profile."""
+"""A bottle with a wall: foot, panel, shoulder, neck with rings, lip, inside; its UV are angle and length along the profile."""
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -8,33 +8,51 @@ from meshes.sweep import grid_faces
 
 COLUMNS = 64
 OUTSIDE = [
-    (0, 4),
-    (18, 3.2),
-    (27, 1.2),
-    (31.5, 0),
-    (34.2, 1.2),
-    (36, 5),
-    (36.4, 12),
-    (36.2, 40),
-    (35.2, 75),
-    (35.8, 110),
-    (36.2, 128),
-    (35, 142),
-    (30, 157),
-    (21, 171),
-    (15.2, 181),
-    (13.6, 190),
-    (13.2, 200),
-    (13.4, 206),
-    (15.4, 207.2),
-    (16, 209.5),
-    (15.8, 213),
-    (14.8, 214.6),
-    (13, 215),
+    (0, 5.5),
+    (16, 4.6),
+    (25, 2.4),
+    (28.5, 0.4),
+    (30.5, 0),
+    (33, 0.8),
+    (35.2, 3.5),
+    (36.4, 8),
+    (36.5, 22),
+    (36.3, 26),
+    (35.3, 29.5),
+    (35.2, 32),
+    (35.2, 118),
+    (35.3, 121),
+    (36.3, 124.5),
+    (36.5, 128),
+    (36, 137),
+    (33.5, 147),
+    (28, 158),
+    (20.5, 169),
+    (16, 177),
+    (14.3, 184),
+    (14, 190),
+    (14.3, 192),
+    (16.8, 193),
+    (17.2, 195),
+    (16.8, 197),
+    (14.3, 198),
+    (14, 199.5),
+    (14.4, 201),
+    (15.8, 202.2),
+    (15.8, 203.6),
+    (14.3, 205),
+    (14.2, 206.2),
+    (14.5, 207.4),
+    (15.8, 208.4),
+    (15.8, 209.8),
+    (14.4, 211.2),
+    (14.2, 213),
+    (13.8, 214.4),
+    (12.8, 215),
 ]
 INSIDE = [
-    (13, 215),
-    (11.4, 214),
+    (12.8, 215),
+    (11.4, 214.2),
     (10.9, 211),
     (10.8, 200),
     (11.4, 190),
@@ -96,7 +114,7 @@ def revolved(points, step, strip):
 
 
 def build():
-    inside, outside = revolved(INSIDE, 4.5, (0.505, 1.0)), revolved(OUTSIDE, 3.6, (0.0, 0.495))
+    inside, outside = revolved(INSIDE, 4.5, (0.505, 1.0)), revolved(OUTSIDE, 2.0, (0.0, 0.495))
     return [
         Part("outside", outside[0], outside[1], outside[2]),
         Part("inside", inside[0], inside[1], inside[2]),

@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from meshes.implicit import intersection, length, rod, smoothstep, subtraction, union
 from meshes.model import Part
-from meshes.nets import gradient, pulled, solid
+from meshes.nets import axis, gradient, pulled, solid
 from meshes.sweep import band_section, grid_faces, outward, resampled, round_section, tube
 
 WALL = 6.6
@@ -35,13 +35,14 @@ def plan(p):
 
 
 def cap(p):
-    """The toe cap and the facings lie on top of the vamp: two and three millimetres more."""
+    """The toe cap and the facings lie on top of the vamp, the counter on top of the heel: each with a clear edge."""
     z = p[:, 2]
-    edge = 74 + 0.006 * (p[:, 0] + 6) ** 2
+    edge = 74 + 0.0015 * (p[:, 0] + 6) ** 2
     low = np.maximum(0, 72 - p[:, 1])
     facing, slope = 46 - 0.3 * low - 0.012 * low**2, 0.3 + 0.024 * low
-    back = smoothstep(2.6, -2.6, (z - facing) / np.sqrt(1 + slope**2))
-    return 2.0 * smoothstep(-2.4, 2.4, z - edge) + 3.0 * back
+    back = smoothstep(1.5, -1.5, (z - facing) / np.sqrt(1 + slope**2))
+    counter = smoothstep(1.5, -1.5, z + 84 + 0.35 * np.maximum(p[:, 1] - 40, 0))
+    return 2.2 * smoothstep(-1.4, 1.4, z - edge) + 2.4 * back + 1.8 * counter
 
 
 def last(p):
@@ -77,16 +78,32 @@ def upper(p):
     return subtraction(shell, gap, 4.0)
 
 
-def tongue(p):
-    """A padded sheet under the slit, standing out at the ankle."""
-    x, y, z = p.T
-    sheet = np.abs(last(p) + WALL + 5.0) - 3.6
-    width = np.abs(x + 2) - (21 + 0.12 * np.clip(30 - z, 0, 60))
-    end = y - (117 - 0.012 * (x + 2) ** 2)
-    front = z - 52
-    back = -z - 46
-    low = intersection(front, intersection(back, 50 - y, 4), 4)
-    return intersection(intersection(intersection(sheet, width, 5), end, 6), low, 4)
+def instep(x, z, depth):
+    """Height at which a place lies `depth` under the outside of the last."""
+    low, high = np.full(np.broadcast(x, z).shape, 30.0), np.full(np.broadcast(x, z).shape, 160.0)
+    for _ in range(40):
+        half = 0.5 * (low + high)
+        flat = np.stack([np.broadcast_to(x, half.shape), half, np.broadcast_to(z, half.shape)], -1)
+        inside = last(flat.reshape(-1, 3)).reshape(half.shape) < -depth
+        low, high = np.where(inside, half, low), np.where(inside, high, half)
+    return low
+
+
+def tongue():
+    """A padded band under the slit, arched as the instep is, standing out at the ankle with a round end."""
+    z = np.linspace(50, -36, 40)
+    y = instep(-2.0, np.maximum(z, -12.0), WALL + 3.5)
+    y = y + 0.85 * np.maximum(-12.0 - z, 0)
+    line = resampled(np.stack([np.full(40, -2.0), y, z], 1), 3.4)
+    arc = 3.4 * np.arange(len(line))
+    ends = np.clip(np.minimum(arc, arc[::-1]) / 13.0, 0.06, 1)
+    width = (30 + 3 * arc / arc[-1]) * np.sqrt(1 - (1 - ends) ** 2)
+    sections = []
+    for wide, end in zip(width, ends, strict=True):
+        section = band_section(wide, 3.2 + 2.4 * end, 9)
+        section[:, 1] -= 0.021 * section[:, 0] ** 2
+        sections.append(section)
+    return tube(line, np.stack(sections))
 
 
 def outline(out, back, step):
@@ -172,8 +189,8 @@ def slab(sides, top, bottom, rounding, rows):
 
 
 def sole():
-    tread = slab(outline(4.5, None, 5.0), lambda p: BED(p[:, 2]) + 2.8, lambda p: BED(p[:, 2]) - 6.5, 1.6, 2)
-    lift = slab(outline(3.0, -56.0, 5.0), lambda p: BED(p[:, 2]) - 5.5, lambda p: 0.0 * p[:, 1], 1.2, 4)
+    tread = slab(outline(4.5, None, 5.0), lambda p: BED(p[:, 2]) + 2.8, lambda p: BED(p[:, 2]) - 6.5, 0.9, 3)
+    lift = slab(outline(3.0, -56.0, 5.0), lambda p: BED(p[:, 2]) - 5.5, lambda p: 0.0 * p[:, 1], 0.8, 5)
     return tread, lift
 
 
@@ -245,10 +262,13 @@ def bow():
 
 def build():
     h = 4.4
-    xs, zs = np.arange(-58, 58, h), np.arange(-152, 152, h)
-    shell = solid(upper, xs, np.arange(2, 128, h), zs, rounds=4, fair=20)
-    sheet = solid(
-        tongue, np.arange(-44, 41, h), np.arange(36, 134, h), np.arange(-62, 66, h), rounds=4, fair=20
-    )
+    xs = np.arange(-58, 58, h)
+    zs = axis((-152, 4.6), (58, 4.6), (70, 2.4), (79, 2.4), (92, 4.6), (152, 4.6))
+    shell = solid(upper, xs, np.arange(2, 128, h), zs, rounds=3, fair=5)
     laces = [Part("laces", *body) for body in (*lace_bars(), *bow())]
-    return [Part("upper", *shell), Part("upper", *sheet), *(Part("sole", *body) for body in sole()), *laces]
+    return [
+        Part("upper", *shell),
+        Part("upper", *tongue()),
+        *(Part("sole", *body) for body in sole()),
+        *laces,
+    ]
