@@ -123,6 +123,22 @@ def hides():
     save(contact_sheet(pictures, [f"{name}, {side} mm" for name, side in HIDES.items()], columns=3), "hides")
 
 
+def helmet():
+    """The nine hides on the leather of a flying helmet: as a whole, and its crown near; small for those of fine grain."""
+    pictures = []
+    for name in HIDES:
+        size = "340 mm" if name in ("cattle-pebbled", "ostrich", "crocodile") else "170 mm"
+        surface = load(shared("helmet_flight_leather.glb"), part="LeatherPartsMat", size=size)
+        low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+        point, _ = closest_points(surface, [0.5 * (low + high) + np.array([0.15, 0.45, 0.2]) * (high - low)])
+        crown = point.positions(surface)[0]
+        maps = sx.bake(surface, sx.Leather.preset(name), resolution=2048, seed=7)
+        far = render(maps, size=(230, 230))
+        seen = {"view": towards(surface, crown), "target": crown + surface.origin_mm, "zoom": 4.0}
+        pictures.append(np.concatenate([far, render(maps, size=(230, 230), floor=False, **seen)], axis=1))
+    save(contact_sheet(pictures, list(HIDES), columns=3), "helmet")
+
+
 def shoe():
     """A real shoe in pebbled cattle: far, the toe cap, and across a seam of its own unwrap."""
     surface = load(shared("shoe_variants.glb"))
@@ -246,6 +262,7 @@ PICTURES = {
         hides,
         bags,
         strap,
+        helmet,
         shoe,
         chair,
         real_head,
