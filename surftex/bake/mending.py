@@ -21,6 +21,9 @@ from surftex.files.output import write_whole
 from surftex.files.reading import printable
 from surftex.kernels.pool import PartTick, Tick
 
+_OF_DRAWING = {"sweeps", "seed", "threads"}
+"""Options of filling that a given model leaves."""
+
 
 def fill_file(
     image: str | Path,
@@ -64,6 +67,9 @@ def fill_file(
     known = None if model is None else load_model(model)
     if known is not None and not isinstance(known, TextureModel):
         raise InputError(f"{printable(str(model))}: is no plain texture; a part is filled by one")
+    if known is not None and options.keys() - _OF_DRAWING:
+        idle = " and ".join(f"--{name}" for name in sorted(options.keys() - _OF_DRAWING))
+        raise InputError(f"{idle}: of learning, but the model is given; leave one or the other out")
     hole = read_exemplar(mask)
     hole = hole if hole.ndim == 2 else hole.max(axis=2)
     try:

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.bake.comparing import read_reference
 from surftex.errors import InputError
 from surftex.exemplar.composite import CompositeModel, learn_composite
 from surftex.exemplar.labels import LabelModel, learn_labels
 from surftex.exemplar.learn import learn_texture
 from surftex.exemplar.metrics import metrics
+from surftex.exemplar.picture import shrunk, spread
 from surftex.exemplar.segments import segment
 from surftex.exemplar.store import SUFFIXES, Model, load_model
 from surftex.files.exemplars import read_exemplar, read_label_map
@@ -83,25 +85,29 @@ def learn_file(
         raise InputError(
             "a label map, segments, and a picture that is a label map exclude one another; choose one"
         )
-    if not 1 <= shrink <= 64:
-        raise InputError(f"shrink is {shrink}; it takes 1 to 64")
+    beside = {name: file for name, file in (aligned or {}).items() if file is not None}
+    composite = labels is not None or segments is not None
+    asked = {*beside, *options} | ({"over"} if over else set()) | ({"within"} if within else set())
+    _check_asked(asked, as_labels=as_labels, composite=composite)
+    _check_shrink(shrink)
     wall, processor = time.perf_counter(), time.process_time()
+    maps: dict[str, Any] = {name: shrunk(_grey(read_exemplar(file)), shrink) for name, file in beside.items()}
     if as_labels:
-        maps: dict[str, Any] = {"picture": read_label_map(image)[::shrink, ::shrink]}
+        maps["picture"] = read_label_map(image)[::shrink, ::shrink]
     else:
-        beside = {name: file for name, file in (aligned or {}).items() if file is not None}
-        maps = {"picture": _shrunk(read_exemplar(image), shrink)}
-        maps |= {name: _shrunk(_grey(read_exemplar(file)), shrink) for name, file in beside.items()}
-    if segments is not None:
-        maps["labels"] = segment(maps["picture"], segments)
+        maps["picture"] = shrunk(read_exemplar(image), shrink)
     if labels is not None:
         maps["labels"] = read_label_map(labels)[::shrink, ::shrink]
+    if composite:
         parts = {label: read_label_map(file)[::shrink, ::shrink] for label, file in (within or {}).items()}
         options["within"] = parts
     picture = maps.pop("picture")
     try:
+        if segments is not None:
+            maps["labels"] = segment(picture, segments)
         if as_labels:
-            model: Model = learn_labels(picture, mask=maps.get("mask"))
+            mask = maps.get("mask")
+            model: Model = learn_labels(picture, mask=None if mask is None else mask > 0.5 * mask.max())
         elif "labels" in maps:
             model = learn_composite(picture, over=over, tick=tick, **maps, **options)
         else:
@@ -127,6 +133,7 @@ def synthesize_file(
     seed: int = 0,
     sweeps: int | None = None,
     compare: str | Path | None = None,
+    shrink: int = 1,
     labels: str | Path | None = None,
     age: int = 0,
     threads: int | None = None,
@@ -147,7 +154,9 @@ def synthesize_file(
     sweeps : int, optional
         As for `TextureModel.synthesize`.
     compare : path, optional
-        A picture to measure the result against.
+        A picture to measure the result against, as grey; a label map for a layout.
+    shrink : int
+        Pixels of each side of that picture that become one first, as when the model was learnt.
     labels : path, optional
         A layout for a composite: a label map; the picture gets its size.
     age : int
@@ -160,7 +169,7 @@ def synthesize_file(
     Returns
     -------
     report : dict
-        Files, what it took, and the metrics where there is something to compare with.
+        Files, what it took, warnings, and the metrics where there is something to compare with.
 
     Raises
     ------
@@ -170,9 +179,14 @@ def synthesize_file(
         If a picture cannot be written.
     """
     target = picture_place(out)
-    reference = None if compare is None else read_exemplar(compare)
+    _check_shrink(shrink)
+    if compare is None and shrink > 1:
+        raise InputError(f"shrink is {shrink}, of a picture to compare with; name that as well (--compare)")
     model, layout = load_model(path), None if labels is None else read_label_map(labels)
     width, height = size or ((512, 512) if layout is None else (layout.shape[1], layout.shape[0]))
+    reference, warnings = None, []
+    if compare is not None:
+        reference, warnings = read_reference(compare, model, (width, height), shrink)
     wall, processor = time.perf_counter(), time.process_time()
     maps = drawn_maps(
         model, width, height, seed, labels=layout, age=age, sweeps=sweeps, threads=threads, tick=tick
@@ -186,10 +200,10 @@ def synthesize_file(
         "wall_s": round(wall, 3),
         "cpu_s": round(processor, 3),
         "cpu_s_per_megapixel": round(1e6 * processor / (width * height), 2),
+        "warnings": warnings,
     }
     if reference is not None:
-        scale = 257 if reference.dtype == np.uint16 else 1
-        report["metrics"] = metrics(maps["picture"], reference // scale)
+        report["metrics"] = metrics(maps["picture"], reference)
     return report
 
 
@@ -241,13 +255,15 @@ def drawn_maps(
     if not isinstance(model, CompositeModel) and (labels is not None or age):
         raise InputError("the model is no composite; it takes neither a label map nor an age")
     if isinstance(model, LabelModel):
+        if sweeps is not None:
+            raise InputError("the model is a layout, which is drawn at several scales; it takes no sweeps")
         label = model.synthesize(width, height, seed, threads=threads, tick=tick)
-        return {"picture": _spread(label, model.labels)}
+        return {"picture": spread(label, model.labels)}
     if isinstance(model, CompositeModel):
         maps = model.maps(
             width, height, seed, labels=labels, age=age, sweeps=sweeps, threads=threads, tick=tick
         )
-        return {**maps, "labels": _spread(maps["labels"], model.labels)}
+        return {**maps, "labels": spread(maps["labels"], model.labels)}
     return model.maps(width, height, seed, sweeps=sweeps, threads=threads, tick=tick)
 
 
@@ -318,6 +334,24 @@ def described(model: Model) -> dict[str, Any]:
     return {**counts, "pairs": len(target.pair_type), "quads": len(target.quad_band)}
 
 
+def _check_asked(asked: set[str], *, as_labels: bool, composite: bool) -> None:
+    """Refuse what would have no effect on the kind of model that is learnt."""
+    if as_labels:
+        idle, why = asked - {"mask", "seed", "threads"}, "a layout alone (--as-labels)"
+    elif composite:
+        idle, why = asked & {"mask"}, "a composite, which is learnt from the whole picture"
+    else:
+        idle, why = asked & {"over", "within"}, "one texture; labels come from --labels or --segment"
+    if idle:
+        named = " and ".join(f"--{name}" for name in sorted(idle))
+        raise InputError(f"{named}: no use for {why}; leave {'it' if len(idle) == 1 else 'them'} out")
+
+
+def _check_shrink(shrink: int) -> None:
+    if not 1 <= shrink <= 64:
+        raise InputError(f"shrink is {shrink}; it takes 1 to 64")
+
+
 def _model_place(out: str | Path) -> Path:
     return _place(out, SUFFIXES, f"a model is written as {' or '.join(SUFFIXES)}")
 
@@ -334,20 +368,5 @@ def _place(out: str | Path, suffixes: tuple[str, ...], what: str) -> Path:
     return target
 
 
-def _spread(label: NDArray[np.uint8], labels: int) -> NDArray[np.uint8]:
-    """Labels as tones from black to white."""
-    return (label.astype(np.int64) * 255 // (labels - 1)).astype(np.uint8)
-
-
 def _grey(picture: NDArray[Any]) -> NDArray[Any]:
     return picture if picture.ndim == 2 else picture[..., 0]
-
-
-def _shrunk(picture: NDArray[Any], by: int) -> NDArray[Any]:
-    """Mean of each square of pixels; what is left over at the right and below is cut off."""
-    if by == 1:
-        return picture
-    rows, columns = (length // by for length in picture.shape[:2])
-    cut = picture[: rows * by, : columns * by].reshape(rows, by, columns, by, -1)
-    mean = cut.mean(axis=(1, 3)).round().astype(picture.dtype)
-    return mean if picture.ndim == 3 else mean[..., 0]

@@ -329,7 +329,16 @@ def _synthesize(parser: Parser) -> None:
     )
     parser.add_argument("--size", type=_side_by_side, metavar="WxH", help="in pixels (default: 512x512)")
     parser.add_argument("--sweeps", type=_whole, metavar="N", help="how often each pixel is drawn")
-    parser.add_argument("--compare", metavar="IMAGE", help="measure the result against this picture")
+    parser.add_argument(
+        "--compare", metavar="IMAGE", help="measure the result against this picture, both as grey"
+    )
+    parser.add_argument(
+        "--shrink",
+        type=_whole,
+        metavar="N",
+        default=1,
+        help="of that picture first make one pixel of N x N, as for learn (default: 1)",
+    )
     parser.add_argument(
         "--labels", metavar="LABELS.png", help="a layout for a composite, in place of a drawn one"
     )
@@ -346,7 +355,9 @@ def _fill(parser: Parser) -> None:
         "-o", "--out", metavar="IMAGE.png", required=True, help="the result; replaced if there"
     )
     parser.add_argument("--model", metavar="MODEL.stex", help="what to draw there (default: what is around)")
-    _mending(parser)
+    _mending(
+        parser, "around the mask from which the texture is learnt; more where they are few (default: 24)"
+    )
 
 
 def _knit(parser: Parser) -> None:
@@ -358,11 +369,11 @@ def _knit(parser: Parser) -> None:
     parser.add_argument(
         "--width", type=_whole, metavar="PIXELS", help="drawn anew on either side (default: 14)"
     )
-    _mending(parser)
+    _mending(parser, "on either side of a border from which its texture is learnt (default: 24)")
 
 
-def _mending(parser: Parser) -> None:
-    parser.add_argument("--zone", type=_whole, metavar="PIXELS", help="around it to learn from (default: 24)")
+def _mending(parser: Parser, zone: str) -> None:
+    parser.add_argument("--zone", type=_whole, metavar="PIXELS", help=zone)
     parser.add_argument("--order", choices=["quad", "pair"], help="as for learn (default: quad)")
     parser.add_argument("--radius", type=_whole, metavar="PIXELS", help="as for learn (default: 24)")
     parser.add_argument(

@@ -3,7 +3,7 @@
 import json
 from argparse import Namespace
 
-from surftex.cli.say import out
+from surftex.cli.say import note, out
 
 
 def run(options: Namespace) -> None:
@@ -25,9 +25,12 @@ def run(options: Namespace) -> None:
     with Watch(quiet=options.quiet, verbose=options.verbose) as watch:
         report = synthesize_file(
             options.subject, options.out, seed=options.seed, sweeps=options.sweeps, compare=options.compare,
-            size=options.size, labels=options.labels, age=options.age, threads=options.threads,
+            shrink=options.shrink, size=options.size, labels=options.labels, age=options.age, threads=options.threads,
             tick=lambda share: watch("synthesize", share),
         )  # fmt: skip
+    if not options.quiet:
+        for warning in report["warnings"]:
+            note(f"warning: {warning}")
     if options.json:
         out(json.dumps(report, indent=1, ensure_ascii=False))
     elif not options.quiet:

@@ -50,7 +50,7 @@ def fill(
     model : TextureModel, optional
         The texture to draw; without it that of a zone around the part is learnt.
     zone : int
-        Pixels around the part to learn from; more where they are few.
+        Pixels around the part to learn from, at least 1; more where they are few.
     sweeps : int
         How often each pixel is drawn.
     seed : int
@@ -74,6 +74,8 @@ def fill(
     """
     picture, names, _ = checked_picture(image)
     hole = _checked_mask(mask, (picture.shape[0], picture.shape[1]))
+    if zone < 1:
+        raise InputError(f"zone is {zone}; it takes 1 pixel or more")
     if model is None:
         known = _around(hole, zone, _ENOUGH)
         part = PartTick(tick, 0, 0.4)

@@ -1,5 +1,7 @@
 """Pictures at the door: arrays of any common type become 0..255 in float, or an error that says what to do."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -87,6 +89,47 @@ def checked_picture(
         if inside.sum() < SMALLEST**2:
             raise InputError(f"the mask leaves {int(inside.sum())} pixels; it takes at least {SMALLEST**2}")
     return np.concatenate(parts, axis=2), names, inside
+
+
+def shrunk(picture: NDArray[Any], by: int) -> NDArray[Any]:
+    """Make one pixel of each square of pixels.
+
+    Parameters
+    ----------
+    picture : (h, w) or (h, w, c) number
+        Any picture.
+    by : int
+        Pixels of each side of a square; what is left over at the right and below is cut off.
+
+    Returns
+    -------
+    small : (h // by, w // by) or (h // by, w // by, c) number
+        Means, rounded.
+    """
+    if by == 1:
+        return picture
+    rows, columns = (length // by for length in picture.shape[:2])
+    cut = picture[: rows * by, : columns * by].reshape(rows, by, columns, by, -1)
+    mean = cut.mean(axis=(1, 3)).round().astype(picture.dtype)
+    return mean if picture.ndim == 3 else mean[..., 0]
+
+
+def spread(label: NDArray[np.uint8], labels: int) -> NDArray[np.uint8]:
+    """Show labels as tones from black to white.
+
+    Parameters
+    ----------
+    label : (h, w) uint8
+        From 0 on.
+    labels : int
+        How many there can be.
+
+    Returns
+    -------
+    tone : (h, w) uint8
+        0 to 255.
+    """
+    return (label.astype(np.int64) * 255 // max(1, labels - 1)).astype(np.uint8)
 
 
 def _numbers(image: ArrayLike, name: str) -> NDArray[np.float32]:

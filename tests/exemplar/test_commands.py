@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import surftex as sx
 from surftex.cli import main
+from surftex.exemplar.labels import LabelModel
 from tests.exemplar.pictures import cracks, noise, patches, patchwork, pebbles
 
 
@@ -167,3 +169,73 @@ def test_pictures_are_filled_and_knitted(stones, capsys):
     assert main(["knit", "stones.png", "-o", "long.png"]) == 2
     assert main(["fill", "stones.png", "--mask", "none.png", "-o", "x.png"]) == 2
     assert capsys.readouterr().err.count("\n") == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "what"),
+    [
+        (["--over"], "--over: no use for one texture"),
+        (["--within", "0=labels.png"], "--within: no use for one texture"),
+        (["--as-labels", "--over", "--pairs", "4"], "--over and --pairs: no use for a layout"),
+        (["--labels", "labels.png", "--mask", "labels.png"], "--mask: no use for a composite"),
+    ],
+)
+def test_options_of_another_kind_of_model_are_refused(stones, capsys, arguments, what):
+    Image.fromarray((patches(96) * 100).astype(np.uint8)).save("labels.png")
+    assert main(["learn", "labels.png", "-o", "x.stex", *arguments]) == 2
+    assert what in capsys.readouterr().err
+    assert not (stones / "x.stex").exists()
+
+
+def test_a_layout_is_learnt_where_the_mask_is_white(stones):
+    label, mask = np.zeros((96, 96), np.uint8), np.zeros((96, 96), np.uint8)
+    label[:, :48], mask[:, 40:] = patches(96)[:, :48] > 0, 255
+    label[:, 60:70] = 1
+    Image.fromarray(label).save("labels.png")
+    Image.fromarray(mask).save("mask.png")
+    assert main(["learn", "labels.png", "--as-labels", "--mask", "mask.png", "-o", "x.stex", "-q"]) == 0
+    model = sx.load_model("x.stex")
+    assert isinstance(model, LabelModel)
+    assert model.shares[1] == pytest.approx(label[:, 40:].mean(), abs=0.01)
+
+
+def test_what_to_compare_with_is_checked_before_anything_is_drawn(stones, capsys, monkeypatch):
+    learn = ["learn", "stones.png", "--order", "pair", "--pairs", "3", "-q"]
+    assert main([*learn, "-o", "s.stex"]) == 0
+    assert main([*learn, "--shrink", "2", "-o", "half.stex"]) == 0
+    Image.fromarray(noise(20)).save("small.png")
+    Image.new("L", (64, 64), 90).save("flat.png")
+    Image.new("L", (2000, 1100), 90).save("large.png")
+    Image.fromarray(np.repeat(pebbles(96)[..., None], 3, axis=2)).save("tinted.png")
+    draw = ["synthesize", "s.stex", "-o", "a.png", "--sweeps", "2"]
+    with monkeypatch.context() as patch:
+        patch.setattr("surftex.bake.texturing.drawn_maps", lambda *_, **__: pytest.fail("it was drawn"))
+        for name, size, what in (
+            ("small.png", "40x40", "small.png: has 20 x 20 pixels"), ("flat.png", "40x40", "flat.png: is flat"),
+            ("large.png", "40x40", "large.png: has 2000 x 1100 pixels"), ("none.png", "40x40", "none.png"),
+            ("stones.png", "20x40", "the drawing: has 20 x 40 pixels"),
+        ):  # fmt: skip
+            assert main([*draw, "--compare", name, "--size", size]) == 2
+            told = capsys.readouterr().err
+            assert what in told
+            assert told.count("\n") == 1
+    assert not (stones / "a.png").exists()
+    assert main([*draw, "--compare", "tinted.png", "--size", "40x40"]) == 0
+    assert "tinted.png is in colour, the drawing grey" in capsys.readouterr().err
+    half = ["synthesize", "half.stex", "-o", "a.png", "--sweeps", "2", "--size", "40x40"]
+    assert main([*half, "--compare", "stones.png"]) == 0
+    assert "with --shrink 2 they are more alike" in capsys.readouterr().err
+    assert main([*half, "--compare", "stones.png", "--shrink", "2"]) == 0
+    assert "warning" not in capsys.readouterr().err
+    assert main([*half, "--shrink", "2"]) == 2
+    assert "--compare" in capsys.readouterr().err
+
+
+def test_options_of_learning_are_refused_where_a_model_is_given(stones, capsys):
+    assert main(["learn", "stones.png", "--order", "pair", "--pairs", "3", "-o", "s.stex", "-q"]) == 0
+    Image.fromarray((patches(96) > 0).astype(np.uint8) * 255).save("hole.png")
+    fill = ["fill", "stones.png", "--mask", "hole.png", "-o", "f.png"]
+    assert main([*fill, "--model", "s.stex", "--zone", "30", "--order", "pair"]) == 2
+    assert "--order and --zone" in capsys.readouterr().err
+    assert main([*fill, "--zone", "0"]) == 2
+    assert "zone is 0" in capsys.readouterr().err
