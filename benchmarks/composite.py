@@ -239,7 +239,7 @@ def angles():
             place = lattice.points.positions(body)
             there = cKDTree(place).query(place, k=3)[1][:, 1:]
             softness = np.abs(level[:, None] - level[there]).mean(axis=1)
-            part = np.degrees(lattice.angle_rad[lattice.points.face]) % 90 // 10
+            part = np.degrees(lattice.angle_rad) % 90 // 10
             mean = [softness[part == each].mean() for each in range(9) if (part == each).sum() > 300]
             print(
                 f"{body.name:<8}{name:<26}{len(lattice):>8} pixels  next pixels by the angle of the frame, from "
