@@ -1,6 +1,6 @@
 """Mistakes in a recipe, told in one line: where, which key, what is wrong, what may have been meant."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
@@ -82,11 +82,26 @@ def _mistake(error: dict[str, Any], values: dict[str, Any]) -> tuple[Path, str]:
         if path == ("layer",):
             return path, NO_LAYER
         return path, "this key is needed and missing"
+    return path, told(error)
+
+
+def told(error: Mapping[str, Any]) -> str:
+    """Say what is wrong with a value.
+
+    Parameters
+    ----------
+    error : mapping
+        One of pydantic's.
+
+    Returns
+    -------
+    text : str
+        With the value, where the reason does not show it.
+    """
     text = str(error["msg"]).removeprefix("Value error, ")
-    text = text[:1].lower() + text[1:] if text.startswith("Input ") else text
-    if text.startswith("input "):
-        text = f"{_shown(error['input'])}: {text.removeprefix('input ')}"
-    return path, text
+    if text.startswith("Input "):
+        return f"{_shown(error['input'])}: {text.removeprefix('Input ')}"
+    return text
 
 
 def _key_path(location: tuple[str | int, ...], values: dict[str, Any]) -> Path:
