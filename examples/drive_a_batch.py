@@ -10,6 +10,7 @@ from pathlib import Path
 
 from surftex.bake.batch import JobResult, run_batch
 from surftex.bake.executors import local_workers
+from surftex.errors import SurftexError
 from surftex.recipe.batch import load_batch
 
 
@@ -27,8 +28,15 @@ def told(result: JobResult, count: int, total: int) -> None:
 
 def main() -> int:
     """Do the jobs, and give the command's exit code."""
-    with local_workers() as workers:
-        return run_batch(load_batch(sys.argv[1]), workers, keep_going=True, told=told).exit_code
+    if len(sys.argv) != 2:
+        print(f"usage: {sys.argv[0]} JOBS.toml", file=sys.stderr)
+        return 2
+    try:
+        with local_workers() as workers:
+            return run_batch(load_batch(sys.argv[1]), workers, keep_going=True, told=told).exit_code
+    except SurftexError as problem:
+        print(problem, file=sys.stderr)
+        return problem.exit_code
 
 
 if __name__ == "__main__":

@@ -51,6 +51,13 @@ def test_the_driver_tells_every_job(studio):
     assert (studio / "out" / "batch-report.json").is_file()
 
 
+def test_a_batch_that_is_not_there_is_told_in_a_line():
+    command = [sys.executable, str(EXAMPLES / "drive_a_batch.py"), "none.toml"]
+    done = subprocess.run(command, capture_output=True, text=True, env=environment())
+    assert done.returncode == 2
+    assert done.stderr == "the batch 'none.toml' does not exist\n"
+
+
 @pytest.mark.slow
 def test_the_round_trip_through_blender_gives_a_picture(studio):
     python = os.environ.get("BLENDER_PYTHON", sys.executable)

@@ -6,8 +6,8 @@ from typing import Any
 
 from surftex.bake.batch import BatchResult, JobResult
 from surftex.cli.say import note, out
-from surftex.errors import RecipeError, SurftexError
-from surftex.recipe.batch import REPORT, Batch, load_batch
+from surftex.errors import InputError, RecipeError, SurftexError
+from surftex.recipe.batch import REPORT, Batch, Job, load_batch
 
 
 def run(options: Namespace) -> None:
@@ -122,22 +122,39 @@ class _Watch:
 
 
 def _plan(batch: Batch, options: Namespace) -> None:
-    """Print what would be done; meshes that cannot be read are named, and nothing is written."""
+    """Print what would be done, kept and refused; nothing is written. Ends as the batch would."""
     import json
 
     from surftex.bake.cost import recipe_costs
 
     costs = recipe_costs(job.recipe for job in batch.jobs)
-    rows: list[dict[str, Any]] = [
-        {"name": job.name, "mesh": job.recipe.mesh.path, "resolution": job.recipe.bake.resolution, **cost}
-        for job, cost in zip(batch.jobs, costs, strict=True)
-    ]
+    rows: list[dict[str, Any]] = []
+    for job, cost in zip(batch.jobs, costs, strict=True):
+        row = {"name": job.name, "mesh": job.recipe.mesh.path, "resolution": job.recipe.bake.resolution}
+        rows.append(row | {"kept": False} | cost)
+        if "problem" not in cost:
+            rows[-1] |= _foreseen(batch, job, resume=options.resume)
+    bad = sum("problem" in row for row in rows)
     if options.json:
         out(json.dumps({"out": str(batch.out), "jobs": rows}, indent=1, ensure_ascii=False))
-        return
-    for row in rows:
-        what = row.get("problem") or f"about {row['seconds']:.0f} CPU-s, {row['memory_mb']} MB"
-        out(f"{row['name']}: {row['mesh']}, {row['resolution']}^2: {what}")
-    seconds = sum(row.get("seconds", 0) for row in rows)
-    bad = sum("problem" in row for row in rows)
-    out(f"{len(rows)} jobs, about {seconds:.0f} CPU-s" + (f"; {bad} of them would fail" if bad else ""))
+    else:
+        for row in rows:
+            what = f"about {row.get('seconds', 0):.0f} CPU-s, {row.get('memory_mb', 0)} MB"
+            what = "kept, as an earlier run left it" if row["kept"] else row.get("problem", what)
+            out(f"{row['name']}: {row['mesh']}, {row['resolution']}^2: {what}")
+        seconds = sum(row["seconds"] for row in rows if not row["kept"] and "problem" not in row)
+        kept = sum(row["kept"] for row in rows)
+        out(f"{len(rows)} jobs, {kept} of them kept, about {seconds:.0f} CPU-s")
+    if bad:
+        raise InputError(f"{bad} of {len(rows)} jobs would fail")
+
+
+def _foreseen(batch: Batch, job: Job, *, resume: bool) -> dict[str, Any]:
+    """Tell whether a job is done already, or a file that it names cannot be read."""
+    from surftex.bake.jobs import is_done, job_contents, job_key
+
+    try:
+        key = job_key(job.recipe, job_contents(job.recipe))
+    except SurftexError as problem:
+        return {"problem": str(problem)}
+    return {"kept": resume and is_done(batch.out / job.name, key)}

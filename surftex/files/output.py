@@ -83,8 +83,16 @@ def check_room(folder: Path) -> None:
     nearest = folder.absolute()
     while not nearest.exists() and nearest != nearest.parent:
         nearest = nearest.parent
-    if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
-        raise WorkError(f"{folder}: cannot write in {nearest}")
+    if not nearest.is_dir():
+        raise WorkError(f"{folder}: cannot write in {nearest}: it is no folder")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        reason = "the disk is read-only" if _read_only(nearest) else "no permission"
+        raise WorkError(f"{folder}: cannot write in {nearest}: {reason}")
+
+
+def _read_only(folder: Path) -> bool:
+    """Tell whether a folder lies on a disk that takes nothing; False where the system does not say."""
+    return hasattr(os, "statvfs") and bool(os.statvfs(folder).f_flag & os.ST_RDONLY)
 
 
 @contextmanager

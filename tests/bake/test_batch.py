@@ -18,7 +18,7 @@ import surftex
 from surftex.bake import jobs
 from surftex.bake.batch import run_batch
 from surftex.bake.jobs import LOCKS, job_contents, job_key, job_lock
-from surftex.errors import WorkError
+from surftex.errors import InputError, WorkError
 from surftex.files import output
 from surftex.recipe.batch import load_batch
 from surftex.recipe.model import Recipe
@@ -342,6 +342,40 @@ def test_warnings_of_the_bakes_are_told_and_reported(studio, by_bytes, capsys):
     assert [result.warnings for result in done_in(studio).results] == [each.warnings for each in done.results]
     report = json.loads((studio / "out" / "batch-report.json").read_text())
     assert [job["warnings"] for job in report["jobs"]] == [list(each.warnings) for each in done.results]
+
+
+def test_a_plan_tells_what_is_kept_and_what_would_fail_and_ends_as_the_batch_would(studio, capsys):
+    from argparse import Namespace
+
+    from surftex.cli.batch import run
+
+    plain: dict = {
+        "shared_files": False,
+        "scheduler": None,
+        "allow_outside": False,
+        "dry_run": True,
+        "json": False,
+    }
+    options = Namespace(subject=studio / "jobs.toml", resume=True, **plain)
+    (studio / "jobs.toml").write_text(JOBS.replace("[1, 2]", "[1]"))
+    done_in(studio)
+    (studio / "jobs.toml").write_text(JOBS)
+    run(options)
+    said = capsys.readouterr().out.splitlines()
+    assert [line.endswith("kept, as an earlier run left it") for line in said[:4]] == [
+        True,
+        False,
+        True,
+        False,
+    ]
+    assert said[4].startswith("4 jobs, 2 of them kept, about ")
+    options.resume = False
+    run(options)
+    assert "4 jobs, 0 of them kept" in capsys.readouterr().out
+    (studio / "two.obj").unlink()
+    with pytest.raises(InputError, match=r"^2 of 4 jobs would fail$"):
+        run(options)
+    assert capsys.readouterr().out.count("two.obj: no such mesh file") == 2
 
 
 def test_an_interrupted_batch_says_what_is_done_and_reports_it(studio):
