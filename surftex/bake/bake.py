@@ -184,6 +184,7 @@ def _bake(
     from surftex.bake.scales import scale_report
     from surftex.bake.stack import place_stack
     from surftex.bake.unwrapping import Unwrapping
+    from surftex.files.building import LEAVES_PAGE
     from surftex.maps.mapset import MapSet
 
     settings = recipe.bake
@@ -219,7 +220,10 @@ def _bake(
         seam = measured_seams(surface, atlas, pages)
     with stages.stage("scales"):
         scales = scale_report(surface, recipe, features=stack.features)
-    warnings = surface.warnings + unwrapping.notes + atlas.notes + clamped_warnings(pages, stack)
+    loaded = surface.warnings
+    if settings.udim and unwrapping.own is not None:
+        loaded = tuple(each for each in loaded if not each.startswith(LEAVES_PAGE))
+    warnings = loaded + unwrapping.notes + atlas.notes + clamped_warnings(pages, stack)
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved

@@ -104,6 +104,10 @@ def surface_of(
     )
 
 
+LEAVES_PAGE = "the file's UVs leave 0..1"
+"""Start of a warning that says nothing where tiles are wanted."""
+
+
 def _own_uv(
     polygons: Polygons, triangles: NDArray[np.int64], warnings: list[str]
 ) -> NDArray[np.float64] | None:
@@ -128,7 +132,7 @@ def _own_uv(
         fallback = fallback or (number, uv)
     if fallback is not None:
         low, high = fallback[1].min(), fallback[1].max()
-        warnings.append(f"the file's UVs leave 0..1 (they run from {low:.3g} to {high:.3g})")
+        warnings.append(f"{LEAVES_PAGE} (they run from {low:.3g} to {high:.3g})")
         return fallback[1]
     if partial:
         warnings.append(f"{partial} of {len(triangles)} faces have no usable UVs; the file's UVs are ignored")

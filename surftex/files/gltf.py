@@ -152,15 +152,26 @@ def _buffer(document: Document, index: int, chunk: bytes | None, folder: Path) -
     elif not isinstance(uri, str):
         raise document.fail(f"{what} has an address that is no text")
     elif uri.startswith("data:"):
-        try:
-            found = base64.b64decode(uri.partition(",")[2], validate=False)
-        except (binascii.Error, ValueError):
-            raise document.fail(f"{what} has base64 data that does not decode") from None
+        found = _embedded(document, uri, what)
     else:
         found = read_bytes(_beside(document, uri, what, folder), purpose="glTF buffer")
     if len(found) < length:
         raise document.fail(f"{what} declares {length} bytes and has {len(found)}")
     return found[:length]
+
+
+def _embedded(document: Document, uri: str, what: str) -> bytes:
+    """Decode a ``data:`` address (RFC 2397): base64 where it says so, else percent-encoded bytes."""
+    head, comma, text = uri.partition(",")
+    if not comma:
+        raise document.fail(f"{what} has a data address without a comma")
+    data = urllib.parse.unquote_to_bytes(text)
+    if not head.lower().endswith(";base64"):
+        return data
+    try:
+        return base64.b64decode(data, validate=False)
+    except (binascii.Error, ValueError):
+        raise document.fail(f"{what} has base64 data that does not decode") from None
 
 
 def _beside(document: Document, uri: str, what: str, folder: Path) -> Path:

@@ -66,6 +66,26 @@ def test_own_uvs_over_two_tiles_show_what_one_page_shows():
     assert two.report["seam"]["maps"]["height"]["rms"] < 0.1 * same.std()
 
 
+def test_uvs_over_several_tiles_are_a_warning_where_one_page_is_wanted_alone(tmp_path):
+    surface = two_tiles()
+    rows = [f"v {x} {y} {z}" for x, y, z in surface.vertices]
+    rows += [f"vt {u} {v}" for u, v in surface.corner_uv.reshape(-1, 2)]
+    for i, face in enumerate(surface.faces):
+        rows.append("f " + " ".join(f"{v + 1}/{3 * i + k + 1}" for k, v in enumerate(face)))
+    (tmp_path / "sheet.obj").write_text("\n".join(rows))
+    loaded = sx.load(tmp_path / "sheet.obj", units="mm")
+    told = [
+        [
+            line
+            for line in bake(loaded, Recipe.of(LEATHER, udim=udim), resolution=64).report["warnings"]
+            if "0..1" in line
+        ]
+        for udim in (True, False)
+    ]
+    assert told[0] == []
+    assert "the file's UVs leave 0..1 (they run from 0.05 to 1.5)" in told[1]
+
+
 def test_a_seam_between_tiles_is_measured_on_both():
     surface = two_tiles()
     atlas = keep_own(surface, resolution=256, udim=True)
