@@ -134,10 +134,12 @@ def gate(
         several = (
             " (--udim takes tiles)" if not udim and (uv >= -1e-6).all() and (uv[..., 0] <= 10).all() else ""
         )
-        problems.append(
-            f"{outside.sum()} of {faces} faces leave {'their tile' if udim else '0..1'}{several}; "
-            f"the first is face {int(outside.argmax())}"
-        )
+        off = ((uv < -1e-6) | (uv > [10 + 1e-6, 900.0])).any(axis=(1, 2))
+        if udim and off.any():
+            odd, left = off, "the tiles (u goes from 0 to 10, v from 0 up)"
+        else:
+            odd, left = outside, "their tile" if udim else f"0..1{several}"
+        problems.append(f"{odd.sum()} of {faces} faces leave {left}; the first is face {int(odd.argmax())}")
     if flat.any() and area[flat].sum() > (1 - AREA_SHARE) * total:
         problems.append(
             f"{flat.sum()} of {faces} faces have no area on the page; the first is face {int(flat.argmax())}"

@@ -8,11 +8,12 @@ only when told, and files of other names are never touched.
 import hashlib
 import os
 import secrets
+import shutil
 import signal
 import tempfile
 import threading
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 
@@ -167,6 +168,8 @@ def write_whole(path: str | Path, data: bytes) -> None:
         with locked_where_possible(draft):
             draft.write_bytes(data)
             _sync(draft)
+        with suppress(OSError):
+            shutil.copymode(target, draft)
         draft.replace(target)
     except OSError as problem:
         raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None

@@ -42,6 +42,9 @@ def publish(workplace: Workplace, folder: Path, *, overwrite: bool) -> None:
         If they cannot be moved; the folder is as it was.
     """
     names = {path.name for path in workplace.staged.iterdir()}
+    for name in names:  # who may read a file stays as it was
+        with suppress(OSError):
+            shutil.copymode(folder / name, workplace.staged / name)
     if not folder.exists():
         try:
             workplace.staged.rename(folder)

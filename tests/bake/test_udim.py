@@ -86,6 +86,19 @@ def test_uvs_over_several_tiles_are_a_warning_where_one_page_is_wanted_alone(tmp
     assert "the file's UVs leave 0..1 (they run from 0.05 to 1.5)" in told[1]
 
 
+@pytest.mark.parametrize("shift", [(10.0, 0.0), (-1.0, 0.0), (0.0, -3.0)])
+def test_uvs_off_all_tiles_are_told_in_a_line(shift):
+    surface = two_tiles()
+    moved = Surface.from_arrays(
+        surface.vertices, surface.faces, corner_uv=surface.corner_uv + np.array(shift), name="sheet"
+    )
+    with pytest.raises(
+        InputError, match=r"faces leave the tiles \(u goes from 0 to 10, v from 0 up\)"
+    ) as caught:
+        keep_own(moved, resolution=64, udim=True)
+    assert "\n" not in str(caught.value)
+
+
 def test_a_seam_between_tiles_is_measured_on_both():
     surface = two_tiles()
     atlas = keep_own(surface, resolution=256, udim=True)

@@ -353,3 +353,24 @@ def test_a_place_where_nothing_can_be_written_is_told_before_any_work(tmp_path):
     check_place(tmp_path / "b")
     check_place(tmp_path / "c")
     assert contents(tmp_path) == {"b": "keep"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are of POSIX")
+@pytest.mark.parametrize("others", [0, 200])
+def test_what_is_replaced_keeps_its_mode(tmp_path, others):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "a").write_text("old")
+    for i in range(others):
+        (folder / f"other{i}").touch()
+    (folder / "a").chmod(0o600)
+    folder.chmod(0o750)
+    with whole_output(folder, overwrite=True) as workplace:
+        (workplace / "a").write_text("new")
+        (workplace / "b").write_text("new")
+    write_whole(folder / "b", b"newer")
+    (folder / "b").chmod(0o640)
+    write_whole(folder / "b", b"newest")
+    assert (folder / "a").read_text() == "new"
+    modes = [path.stat().st_mode & 0o777 for path in (folder, folder / "a", folder / "b")]
+    assert modes == [0o750, 0o600, 0o640]
