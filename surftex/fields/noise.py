@@ -5,12 +5,14 @@ sample's footprint cannot show has faded out, so 512 and 8192 texels agree where
 turned and shifted at random for each octave, so that no axis shows.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import frozen, read_only_view
 from surftex.errors import RecipeError
 from surftex.randomness import Stream, stream
 
@@ -67,21 +69,68 @@ class Noise:
         values : (n,) float32
             About -1 to 1, with mean 0 and rms 0.31 whatever the number of octaves.
         """
-        from surftex.kernels.noise import gradient_noise
-
-        places = np.ascontiguousarray(positions, np.float64).view()
-        footprint = np.ascontiguousarray(
-            np.broadcast_to(np.asarray(footprint_mm, np.float64), len(places))
-        ).view()
-        places.flags.writeable = footprint.flags.writeable = False
-        values = np.zeros(len(places), np.float32)
-        keys, frames, offsets, weight, wavelength = self._octaves()
-        gradient_noise(places, footprint, keys, frames, offsets, weight, wavelength, values)
-        return values
+        return several([self], positions, footprint_mm)[0]
 
     def _octaves(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
         """Key, turned frame, offset, weight and wavelength of each octave."""
         return _octaves(self.stream.key, self.wavelength_mm, self.octaves, self.gain)
+
+
+def several(
+    noises: Sequence[Noise],
+    positions: NDArray[np.float64],
+    footprint_mm: NDArray[np.floating] | float = 0.0,
+) -> NDArray[np.float32]:
+    """Evaluate several noises at the same places: quicker than one after the other.
+
+    Parameters
+    ----------
+    noises : sequence of Noise
+        At least one.
+    positions : (n, 3) float64
+        As for `Noise.at`.
+    footprint_mm : (n,) float or float
+        As for `Noise.at`.
+
+    Returns
+    -------
+    values : (c, n) float32
+        One row for each noise: what its `Noise.at` gives.
+    """
+    from surftex.kernels.noise import gradient_noise
+
+    places = read_only_view(positions, np.float64)
+    footprint = read_only_view(np.broadcast_to(np.asarray(footprint_mm), len(places)), np.float64)
+    values = np.zeros((len(noises), len(places)))
+    for key, weight, wavelength, noise, block in _blocks(tuple(noises)):
+        gradient_noise(places, footprint, key, weight, wavelength, noise, block.copy(), values)
+    return values.astype(np.float32)
+
+
+@lru_cache(maxsize=256)
+def _blocks(noises: tuple[Noise, ...]) -> tuple[tuple[NDArray, ...], ...]:
+    """Octaves of some noises as the kernel takes them, so many at a time; what is left of a block has no weight."""
+    from surftex.kernels.noise import LANES, NO_CELL, ROWS
+
+    octaves = [noise._octaves() for noise in noises]
+    key, frame, offset, weight, wavelength = (np.concatenate(part) for part in zip(*octaves, strict=True))
+    noise = np.repeat(np.arange(len(noises)), [len(own[0]) for own in octaves])
+    blocks = []
+    for first in range(0, len(key), LANES):
+        part = slice(first, first + LANES)
+        count = len(key[part])
+        table = np.zeros((ROWS, LANES))
+        table[:9, :count] = frame[part].reshape(count, 9).T
+        table[9:12, :count] = offset[part].T
+        table[12:15] = NO_CELL
+        keys, weights, wavelengths = np.zeros(LANES, np.uint64), np.zeros(LANES), np.ones(LANES)
+        whose = np.full(LANES, noise[part][-1])
+        keys[:count], weights[:count], wavelengths[:count] = key[part], weight[part], wavelength[part]
+        whose[:count] = noise[part]
+        blocks.append(
+            (frozen(keys), frozen(weights), frozen(wavelengths), frozen(whose), frozen(table.ravel().copy()))
+        )
+    return tuple(blocks)
 
 
 @lru_cache(maxsize=256)

@@ -1,8 +1,20 @@
-"""Gradient noise in space: random slopes on a lattice, blended with a quintic."""
+"""Gradient noise in space: random slopes on a lattice, blended with a quintic; several octaves side by side.
+
+`block` (ROWS * LANES,) holds all of LANES octaves: rows of numbers that processors take LANES at a time.
+"""
 
 import numpy as np
 
 from surftex.kernels.jit import kernel, part
+
+LANES = 8
+"""Octaves that are computed at once."""
+
+_FRAME, _OFFSET, _CELL, _PLACE, _SLOPE, _AMOUNT, _MOVED = 0, 9, 12, 15, 18, 42, 43
+ROWS = 44
+"""Nine of the frames, three each of offsets, last cells of the lattice and places in them, 24 of slopes, amounts, steps."""
+
+NO_CELL = 1e300
 
 
 def _slopes(count: int) -> np.ndarray:
@@ -30,59 +42,121 @@ def _slope(corner):
 
 
 @part
-def _lift(slope, x, y, z):
-    """Height that a slope has at an offset (x, y, z) from its corner."""
-    return _SLOPES[slope, 0] * x + _SLOPES[slope, 1] * y + _SLOPES[slope, 2] * z
+def _draw(block, k, key):
+    """Draw the slopes at the eight corners of the lattice cell that octave k of a block is in."""
+    x = key + np.uint64(np.int64(block[_CELL * LANES + k])) * _STEP
+    y = np.uint64(np.int64(block[(_CELL + 1) * LANES + k])) * _ROW
+    z = np.uint64(np.int64(block[(_CELL + 2) * LANES + k])) * _LAYER
+    for corner in range(8):
+        slope = _slope(
+            x
+            + np.uint64(corner & 1) * _STEP
+            + y
+            + np.uint64(corner >> 1 & 1) * _ROW
+            + z
+            + np.uint64(corner >> 2) * _LAYER
+        )
+        for axis in range(3):
+            block[(_SLOPE + 3 * corner + axis) * LANES + k] = _SLOPES[slope, axis]
+
+
+@part
+def _lattice(block, k, axis, px, py, pz):
+    """Place along an axis of the lattice of octave k."""
+    row = (_FRAME + 3 * axis) * LANES + k
+    return (
+        block[row] * px
+        + block[row + LANES] * py
+        + block[row + 2 * LANES] * pz
+        + block[(_OFFSET + axis) * LANES + k]
+    )
+
+
+@part
+def _lift(block, k, corner, x, y, z):
+    """Height that the slope of a corner has at an offset (x, y, z) from it, in octave k."""
+    row = (_SLOPE + 3 * corner) * LANES + k
+    return block[row] * x + block[row + LANES] * y + block[row + 2 * LANES] * z
+
+
+@part
+def _enter(block, key, px, py, pz):
+    """Find the place (px, py, pz) in all lattices, and draw the slopes of octaves that show and are in a new cell."""
+    for k in range(LANES):
+        x, y, z = (
+            _lattice(block, k, 0, px, py, pz),
+            _lattice(block, k, 1, px, py, pz),
+            _lattice(block, k, 2, px, py, pz),
+        )
+        cx, cy, cz = np.floor(x), np.floor(y), np.floor(z)
+        block[_PLACE * LANES + k] = x - cx
+        block[(_PLACE + 1) * LANES + k] = y - cy
+        block[(_PLACE + 2) * LANES + k] = z - cz
+        block[_MOVED * LANES + k] = block[_AMOUNT * LANES + k] * (
+            abs(cx - block[_CELL * LANES + k])
+            + abs(cy - block[(_CELL + 1) * LANES + k])
+            + abs(cz - block[(_CELL + 2) * LANES + k])
+        )
+        shows = block[_AMOUNT * LANES + k] > 0.0
+        block[_CELL * LANES + k] = cx if shows else block[_CELL * LANES + k]
+        block[(_CELL + 1) * LANES + k] = cy if shows else block[(_CELL + 1) * LANES + k]
+        block[(_CELL + 2) * LANES + k] = cz if shows else block[(_CELL + 2) * LANES + k]
+    for k in range(LANES):
+        if block[_MOVED * LANES + k] != 0.0:
+            _draw(block, k, key[k])
+
+
+@part
+def _fade(block, footprint, weight, wavelength):
+    """Weigh the octaves of a block by what a footprint leaves of them; whether anything is left."""
+    left = 0
+    for k in range(LANES):
+        fade = min(max(2.0 - 4.0 * footprint / wavelength[k], 0.0), 1.0)
+        block[_AMOUNT * LANES + k] = weight[k] * fade * fade * (3.0 - 2.0 * fade)
+        left |= np.int64(fade > 0.0)
+    return left
+
+
+@part
+def _blend(block):
+    """Blend the slopes around the place in each octave, into where its amount was."""
+    for k in range(LANES):
+        x, y, z = (
+            block[_PLACE * LANES + k],
+            block[(_PLACE + 1) * LANES + k],
+            block[(_PLACE + 2) * LANES + k],
+        )
+        u = x * x * x * (x * (x * 6.0 - 15.0) + 10.0)
+        v = y * y * y * (y * (y * 6.0 - 15.0) + 10.0)
+        w = z * z * z * (z * (z * 6.0 - 15.0) + 10.0)
+        a = _lift(block, k, 0, x, y, z)
+        b = _lift(block, k, 1, x - 1.0, y, z)
+        c = _lift(block, k, 2, x, y - 1.0, z)
+        d = _lift(block, k, 3, x - 1.0, y - 1.0, z)
+        a, c = a + u * (b - a), c + u * (d - c)
+        low = a + v * (c - a)
+        a = _lift(block, k, 4, x, y, z - 1.0)
+        b = _lift(block, k, 5, x - 1.0, y, z - 1.0)
+        c = _lift(block, k, 6, x, y - 1.0, z - 1.0)
+        d = _lift(block, k, 7, x - 1.0, y - 1.0, z - 1.0)
+        a, c = a + u * (b - a), c + u * (d - c)
+        high = a + v * (c - a)
+        block[_AMOUNT * LANES + k] *= low + w * (high - low)
 
 
 @kernel
-def gradient_noise(position, footprint, key, frame, offset, weight, wavelength, value):
-    """Sum octaves of gradient noise at n points; quicker where points follow one another closely.
+def gradient_noise(position, footprint, key, weight, wavelength, noise, block, value):
+    """Add LANES octaves of gradient noise, of one noise or several, at n points; quicker where these follow closely.
 
-    position (n, 3) float64, footprint (n,) float64; for each of k octaves: key (k,) uint64, frame (k, 3, 3)
-    float64 (mm to lattice cells), offset (k, 3) float64, weight (k,) float64, wavelength (k,) float64
-    -> value (n,) float32. An octave fades as the footprint goes from 1/4 to 1/2 of its wavelength.
+    position (n, 3) float64, footprint (n,) float; for each octave key uint64, weight, wavelength float64, all (LANES,), and
+    noise int64: whose octave it is, ascending. block (ROWS * LANES,) float64: frames (mm to lattice cells), offsets
+    and cells are given, cells as NO_CELL -> value (c, n) float64.
+    An octave fades as the footprint goes from 1/4 to 1/2 of its wavelength.
     """
-    last = np.full((len(key), 3), np.inf)
-    slopes = np.zeros((len(key), 8), np.int64)
     for i in range(len(position)):
-        px, py, pz = position[i, 0], position[i, 1], position[i, 2]
-        total = 0.0
-        for k in range(len(key)):
-            fade = min(max(2.0 - 4.0 * footprint[i] / wavelength[k], 0.0), 1.0)
-            if fade == 0.0:
-                continue
-            x = frame[k, 0, 0] * px + frame[k, 0, 1] * py + frame[k, 0, 2] * pz + offset[k, 0]
-            y = frame[k, 1, 0] * px + frame[k, 1, 1] * py + frame[k, 1, 2] * pz + offset[k, 1]
-            z = frame[k, 2, 0] * px + frame[k, 2, 1] * py + frame[k, 2, 2] * pz + offset[k, 2]
-            cx, cy, cz = np.floor(x), np.floor(y), np.floor(z)
-            x, y, z = x - cx, y - cy, z - cz
-            if cx != last[k, 0] or cy != last[k, 1] or cz != last[k, 2]:
-                last[k, 0], last[k, 1], last[k, 2] = cx, cy, cz
-                x0, y0, z0 = (
-                    key[k] + np.uint64(np.int64(cx)) * _STEP,
-                    np.uint64(np.int64(cy)) * _ROW,
-                    np.uint64(np.int64(cz)) * _LAYER,
-                )
-                x1, y1, z1 = x0 + _STEP, y0 + _ROW, z0 + _LAYER
-                slopes[k, 0], slopes[k, 1] = _slope(x0 + y0 + z0), _slope(x1 + y0 + z0)
-                slopes[k, 2], slopes[k, 3] = _slope(x0 + y1 + z0), _slope(x1 + y1 + z0)
-                slopes[k, 4], slopes[k, 5] = _slope(x0 + y0 + z1), _slope(x1 + y0 + z1)
-                slopes[k, 6], slopes[k, 7] = _slope(x0 + y1 + z1), _slope(x1 + y1 + z1)
-            u = x * x * x * (x * (x * 6.0 - 15.0) + 10.0)
-            v = y * y * y * (y * (y * 6.0 - 15.0) + 10.0)
-            w = z * z * z * (z * (z * 6.0 - 15.0) + 10.0)
-            a = _lift(slopes[k, 0], x, y, z)
-            b = _lift(slopes[k, 1], x - 1.0, y, z)
-            c = _lift(slopes[k, 2], x, y - 1.0, z)
-            d = _lift(slopes[k, 3], x - 1.0, y - 1.0, z)
-            a, c = a + u * (b - a), c + u * (d - c)
-            low = a + v * (c - a)
-            a = _lift(slopes[k, 4], x, y, z - 1.0)
-            b = _lift(slopes[k, 5], x - 1.0, y, z - 1.0)
-            c = _lift(slopes[k, 6], x, y - 1.0, z - 1.0)
-            d = _lift(slopes[k, 7], x - 1.0, y - 1.0, z - 1.0)
-            a, c = a + u * (b - a), c + u * (d - c)
-            high = a + v * (c - a)
-            total += weight[k] * fade * fade * (3.0 - 2.0 * fade) * (low + w * (high - low))
-        value[i] = total
+        if not _fade(block, footprint[i], weight, wavelength):
+            continue
+        _enter(block, key, position[i, 0], position[i, 1], position[i, 2])
+        _blend(block)
+        for k in range(LANES):
+            value[noise[k], i] += block[_AMOUNT * LANES + k]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from surftex.errors import RecipeError
-from surftex.fields.noise import Noise
+from surftex.fields.noise import Noise, several
 from surftex.randomness import stream
 from tests.oracles import fields as oracle
 
@@ -22,6 +22,19 @@ def test_noise_equals_its_slow_twin(points, footprint_mm, octaves, seed):
     footprints = [footprint_mm] * len(points)
     expected = oracle.gradient_noise(points, footprints, *noise._octaves())
     np.testing.assert_allclose(noise.at(np.array(points), footprint_mm), expected, atol=2e-6)
+
+
+@given(st.lists(st.tuples(st.floats(0, 2), st.floats(0, 4)), min_size=2, max_size=9), st.integers(1, 12))
+def test_noises_at_once_are_those_of_one_after_the_other(places, octaves):
+    """Whatever shows at one point and has faded at the next: octaves come and go within a cell of the lattice."""
+    noises = [Noise(stream(seed, "test"), 4.0 + seed, (octaves + 5 * seed) % 12 + 1) for seed in range(3)]
+    points = np.array([[along, 0.1, 0.2] for along, _ in places])
+    footprints = np.array([footprint for _, footprint in places], np.float32)
+    expected = [oracle.gradient_noise(points, footprints, *noise._octaves()) for noise in noises]
+    together = several(noises, points, footprints)
+    np.testing.assert_allclose(together, expected, atol=2e-6)
+    for noise, values in zip(noises, together, strict=True):
+        np.testing.assert_array_equal(noise.at(points, footprints), values)
 
 
 def _page(noise, cells, side_mm, footprint_mm=0.0):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
 from surftex.features.curves import curve_pieces
-from surftex.fields.noise import Noise
+from surftex.fields.noise import Noise, several
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
 from surftex.geodesics.curves import flood_curves, nearest_curve
@@ -180,7 +180,8 @@ class LeatherPattern:
         """
         leather, points, footprint = self.leather, samples.points, samples.footprint_mm
         position = points.positions(self.surface)
-        plates = self.cells.at(leather, points, self._wave(position, footprint))
+        noise, wave = self._noises(position, footprint), _WAVE * leather.waviness
+        plates = self.cells.at(leather, points, (wave * noise["wave a"], wave * noise["wave b"]))
         cell = np.maximum(plates.own, 0)
         numbers = self._cell_numbers
         crack, wrinkle = self._nearest_curve("crack", points), self._nearest_curve("wrinkle", points)
@@ -199,10 +200,8 @@ class LeatherPattern:
             pore_mm=self._nearest_point("pore", points),
             crown_mm=crown_mm,
             crown_scale=crown_scale,
-            grain=self._noise("grain", leather.grain_size, 2, position, footprint, leather.grain_height),
-            mottle=self._noise(
-                "mottle", leather.mottle_size, 2, position, footprint, leather.mottle + leather.wear
-            ),
+            grain=noise["grain"],
+            mottle=noise["mottle"],
         )
 
     def shape(self, skeleton: Skeleton, footprint_mm: NDArray[np.float32]) -> Layers:
@@ -278,23 +277,27 @@ class LeatherPattern:
         numbers = stream(self.seed, "leather", "crown size").uniform(len(self.features["crown"]))[:, 0]
         return (1 + _CROWN_SPREAD * (2 * numbers - 1)).astype(np.float32)
 
-    def _noise(
-        self, name: str, size_mm: float, octaves: int, position: NDArray, footprint_mm: NDArray, amount: float
-    ) -> NDArray[np.float32]:
-        if amount <= 0:
-            return np.zeros(len(position), np.float32)
-        return Noise(stream(self.seed, "leather", name), size_mm, octaves).at(position, footprint_mm)
-
-    def _wave(
-        self, position: NDArray, footprint_mm: NDArray
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        size = float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.0
-        amount = _WAVE * self.leather.waviness
-        first, second = (
-            amount * self._noise(name, 1.3 * size, 2, position, footprint_mm, amount)
-            for name in ("wave a", "wave b")
-        )
-        return first, second
+    def _noises(
+        self, position: NDArray[np.float64], footprint_mm: NDArray[np.float32]
+    ) -> dict[str, NDArray[np.float32]]:
+        """Noise of each use, 0 where there is none of it."""
+        leather = self.leather
+        size = 1.3 * float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.3
+        uses = {
+            "wave a": (size, leather.waviness),
+            "wave b": (size, leather.waviness),
+            "grain": (leather.grain_size, leather.grain_height),
+            "mottle": (leather.mottle_size, leather.mottle + leather.wear),
+        }
+        shown = {
+            name: Noise(stream(self.seed, "leather", name), size_mm, 2)
+            for name, (size_mm, amount) in uses.items()
+            if amount > 0
+        }
+        values = dict.fromkeys(uses, np.zeros(len(position), np.float32))
+        if shown:
+            values |= zip(shown, several(tuple(shown.values()), position, footprint_mm), strict=True)
+        return values
 
     def _nearest_curve(self, kind: str, points: SurfacePoints) -> tuple[Any, Any, Any]:
         """Distance, how much of the curve is left there, and its side; None where there are no such curves."""
