@@ -64,7 +64,7 @@ def write_displaced(
     Returns
     -------
     path : Path
-        Of the file, in the file's own axes; millimetres, or metres for GLB.
+        Of the file, in the file's own axes; millimetres, or metres for GLB, which names colour and roughness beside it.
 
     Raises
     ------
@@ -94,5 +94,8 @@ def write_displaced(
         edge_mm = max(_EDGE_TEXELS * texel_mm, float(np.sqrt(surface.area_mm2 / (0.25 * _USUAL_FACES))))
     mesh = displaced(surface, height_at, edge_mm=edge_mm, corner_uv=atlas.corner_uv)
     path = folder / baked.displaced_name
-    write_mesh(path, mesh.vertices + surface.origin_mm, mesh.faces, mesh.uv)
+    stem, beside = baked.maps.stem, set(baked.maps.file_names)
+    pictures = {role: f"{stem}_{role}.png" for role in ("base_color", "roughness")}
+    pictures = {role: file for role, file in pictures.items() if file in beside}
+    write_mesh(path, mesh.vertices + surface.origin_mm, mesh.faces, mesh.uv, pictures)
     return path

@@ -1,7 +1,9 @@
 """Plain meshes out: OBJ, PLY and STL in millimetres, GLB in metres. Same mesh, same bytes."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ def write_mesh(
     vertices: NDArray[np.float64],
     faces: NDArray[np.int32],
     corner_uv: NDArray[np.float64] | None = None,
+    pictures: Mapping[str, str] | None = None,
 ) -> None:
     """Write triangles in the format that the path ends in.
 
@@ -31,6 +34,8 @@ def write_mesh(
         Counter-clockwise seen from outside.
     corner_uv : (k, 3, 2) float64, optional
         For OBJ, where it leaves the vertices whole, and GLB, whose vertices part at seams.
+    pictures : mapping of str to str, optional
+        For GLB: names of files beside it, of ``base_color`` and ``roughness``.
 
     Raises
     ------
@@ -50,7 +55,7 @@ def write_mesh(
     elif kind == ".obj":
         data = _obj(vertices, faces, corner_uv)
     else:
-        data = _glb(path.stem, vertices, faces, corner_uv)
+        data = _glb(path.stem, vertices, faces, corner_uv, pictures or {})
     try:
         path.write_bytes(data)
     except OSError as problem:
@@ -109,11 +114,13 @@ def _lines(form: str, rows: NDArray[Any]) -> str:
 
 
 def _glb(
-    name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32], corner_uv: NDArray[np.float64] | None
-) -> bytes:
+    name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32], corner_uv: NDArray[np.float64] | None,
+    pictures: Mapping[str, str],
+) -> bytes:  # fmt: skip
     """Pack GLB with smooth normals; vertices that differ only in UV look alike."""
     import trimesh
     from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
 
     mesh = trimesh.Trimesh(vertices / 1000, faces, process=False)
     if corner_uv is not None:
@@ -125,7 +132,7 @@ def _glb(
         mesh = trimesh.Trimesh(
             vertices[vertex] / 1000, number.reshape(-1, 3), vertex_normals=normals, process=False
         )
-        mesh.visual = TextureVisuals(uv=corner[first, 1:])
+        mesh.visual = TextureVisuals(corner[first, 1:], PBRMaterial(name, metallicFactor=0.0))
     else:
         mesh.vertex_normals  # noqa: B018 (trimesh exports normals once they have been asked for)
     scene = trimesh.Scene()
@@ -133,4 +140,20 @@ def _glb(
     data = scene.export(file_type="glb", include_normals=True)
     if not isinstance(data, bytes):
         raise TypeError(f"trimesh exported a glb as {type(data).__name__}, not as bytes")
-    return data
+    return _dressed(data, pictures) if pictures and corner_uv is not None else data
+
+
+def _dressed(data: bytes, pictures: Mapping[str, str]) -> bytes:
+    """Wire the material of a GLB to pictures beside it; what is no metal reads roughness from a grey picture."""
+    from pygltflib import GLTF2, Image, Sampler, Texture, TextureInfo
+
+    document: Any = GLTF2().load_from_bytes(data)
+    document.samplers = [Sampler(magFilter=9729, minFilter=9987, wrapS=33071, wrapT=33071)]
+    document.images = [Image(name=role, uri=quote(file)) for role, file in pictures.items()]
+    document.textures = [Texture(name=role, sampler=0, source=i) for i, role in enumerate(pictures)]
+    at = {role: TextureInfo(index=i) for i, role in enumerate(pictures)}
+    look = document.materials[0].pbrMetallicRoughness
+    look.baseColorTexture, look.metallicRoughnessTexture = at.get("base_color"), at.get("roughness")
+    look.baseColorFactor = [1.0] * 4 if "base_color" in at else look.baseColorFactor
+    look.roughnessFactor = 1.0 if "roughness" in at else 0.6
+    return b"".join(document.save_to_bytes())

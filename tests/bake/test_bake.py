@@ -210,6 +210,26 @@ def test_the_displaced_mesh_is_the_relief_that_the_maps_show(tmp_path, kind):
     assert f"sphere_displaced.{kind}" in report["outputs"]
 
 
+@pytest.mark.parametrize(("maps", "roles"), [(None, {"base_color", "roughness"}), (("height",), set())])
+def test_a_displaced_glb_shows_the_maps_beside_it(tmp_path, maps, roles):
+    from pygltflib import GLTF2
+
+    from surftex.bake.bake import run
+    from surftex.bake.saving import save
+
+    recipe = sx.Recipe.of(
+        sx.Leather.preset("crocodile", cell_size=8.0), resolution=64, maps=maps, displaced=True
+    )
+    save(run(recipe, sphere(20.0, subdivisions=2)), tmp_path / "out")
+    document = GLTF2().load(tmp_path / "out" / "sphere_displaced.glb")
+    assert document is not None
+    assert {image.uri for image in document.images} == {f"sphere_{role}.png" for role in roles}
+    assert all((tmp_path / "out" / image.uri).exists() for image in document.images)
+    look = document.materials[0].pbrMetallicRoughness
+    assert look.metallicFactor == 0.0
+    assert (look.baseColorTexture is not None) == ("base_color" in roles)
+
+
 @pytest.mark.skipif(
     not Path("/proc/self/status").exists(), reason="the system does not tell a process' own peak"
 )
