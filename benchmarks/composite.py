@@ -1,4 +1,4 @@
-"""Learnt textures: `python -m benchmarks.composite [pictures|speed|surface|choices|seams|angles]`; all of them without a name.
+"""Learnt textures: `python -m benchmarks.composite [pictures|speed|surface|choices|seams|angles|specks]`; all without a name.
 
 Pictures: metrics of what was drawn, as multiples of those between two halves of the exemplar; all methods learn from the
 left half alone. Beside them own quilting, which copies, and Portilla and Simoncelli's statistics where `SURFTEX_PLENOPTIC`
@@ -7,7 +7,8 @@ exemplar too: how much of a photograph looks copied from the rest of it. Speed: 
 drawing in all. Surface: a million pixels on a sphere. Choices: what selection against noise, forced near pairs, and layouts
 from coarse to fine do. Seams: how much more pairs over seams differ from the others than pairs over borders of random cells
 do; eight drawings, six sets of cells; by chance: the same of one set of cells against the others. Angles: whether pixels
-that touch differ as much wherever the direction field turns against the lattice. Times are of this process, all threads, warm.
+that touch differ as much wherever the direction field turns against the lattice. Specks: how loosely
+a composite's tints are tied to its light. Times are of this process, all threads, warm.
 
 Goals: near <= 1.1, pattern1 <= 2.3 and pattern2 <= 1.3 (gravel), coherence <= 1.2, largest piece <= 64 pixels; pairs <= 20
 and quads <= 100 CPU-s per megapixel in all; a million pixels on a surface, pairs, <= 120 s wall on two threads, 80 neighbours
@@ -22,12 +23,13 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from scipy.ndimage import median_filter
 from scipy.spatial import cKDTree
 
 import surftex as sx
 from benchmarks import portilla_simoncelli
 from benchmarks.quilting import quilt
-from docs.made_exemplars import breccia
+from docs.made_exemplars import breccia, ground
 from surftex.charts.surface_lattice import SurfaceLattice
 from surftex.exemplar import learn
 from surftex.exemplar.lattice import Table
@@ -247,6 +249,25 @@ def angles():
             )  # fmt: skip
 
 
+def specks():
+    picture, label = ground()
+    painted = np.ascontiguousarray(label[:224, :224])
+    for order in ("pair", "quad"):
+        model = sx.learn_composite(picture, label, order=order)
+        drawn = {f"{order}, {sweeps} sweeps": model.synthesize(224, 224, 1, labels=painted, sweeps=sweeps)
+                 for sweeps in (model.sweeps, 4 * model.sweeps)[: 2 if order == "pair" else 1]}  # fmt: skip
+        for name, shown in {"exemplar": picture[:224, :224], **drawn}.items():
+            level = model.bands.levels_of(shown.astype(np.float32)).astype(int)
+            light, *tints = (each[painted == 2] for each in level)
+            common = np.flatnonzero(np.bincount(light) > 20)
+            stray = [np.sqrt(np.mean([tint[light == each].var() for each in common])) for tint in tints]
+            alone = np.abs(level[1] - median_filter(level[1], 3))[painted == 2] >= 3
+            print(
+                f"stones of the ground, {name:<18} a tint strays {stray[0]:.2f} and {stray[1]:.2f} levels around what its "
+                f"light says; alone {100 * alone.mean():.2f} %", flush=True,
+            )  # fmt: skip
+
+
 def leading_back(offset, table):
     """A table whose steps back are those forth, the other way round, wherever some step forth led to a site."""
     table, count = table.copy(), len(table) - 1
@@ -297,7 +318,7 @@ def seam_ratio(crossing, level):
 
 
 if __name__ == "__main__":
-    chosen = sys.argv[1:] or ["pictures", "speed", "surface", "choices", "seams", "angles"]
+    chosen = sys.argv[1:] or ["pictures", "speed", "surface", "choices", "seams", "angles", "specks"]
     print("load of the machine", *(f"{each:.1f}" for each in os.getloadavg()))
     for name in chosen:
         {
@@ -307,4 +328,5 @@ if __name__ == "__main__":
             "choices": choices,
             "seams": seams,
             "angles": angles,
+            "specks": specks,
         }[name]()

@@ -17,7 +17,7 @@ from surftex.exemplar.store import Model
 from surftex.files.exemplars import read_exemplar, read_label_map
 from surftex.files.reading import printable
 
-MOST_PIXELS = 2**21
+MOST_PIXELS = 2**20
 """Pixels of a picture, and of what is drawn, beyond which nearest patches take too long to find."""
 
 _OTHER_SCALES = (1, 2, 3, 4, 6, 8)

@@ -72,8 +72,9 @@ def fill_file(
         raise InputError(f"{idle}: of learning, but the model is given; leave one or the other out")
     hole = read_exemplar(mask)
     hole = hole if hole.ndim == 2 else hole.max(axis=2)
+    whole = read_exemplar(image)
     try:
-        picture = fill(read_exemplar(image), hole, model=known, tick=tick, **options)
+        picture = fill(whole, hole, model=known, tick=tick, **options)
     except InputError as problem:
         raise InputError(f"{printable(str(image))}: {problem}") from None
     write_whole(target, png_bytes(picture))

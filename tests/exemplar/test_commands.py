@@ -169,6 +169,8 @@ def test_pictures_are_filled_and_knitted(stones, capsys):
     assert main(["knit", "stones.png", "-o", "long.png"]) == 2
     assert main(["fill", "stones.png", "--mask", "none.png", "-o", "x.png"]) == 2
     assert capsys.readouterr().err.count("\n") == 2
+    assert main(["fill", "gone.png", "--mask", "hole.png", "-o", "x.png"]) == 2
+    assert capsys.readouterr().err.count("gone.png") == 1
 
 
 @pytest.mark.parametrize(
