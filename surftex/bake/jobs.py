@@ -194,15 +194,46 @@ def prepared(job: Job, folder: Path, *, overwrite: bool) -> None:
         If it cannot be written to.
     """
     check_output(folder, overwrite=True)
-    mark = folder.parent / LOCKS / f"{job.name}.made"
+    check_made(job, folder, overwrite=overwrite)
     try:
-        if not overwrite and not mark.exists() and folder.is_dir() and any(folder.iterdir()):
-            raise InputError(
-                f"{folder} holds files that no batch made; move them away, or allow it with --overwrite"
-            )
-        mark.touch()
+        _mark(job, folder).touch()
     except OSError as problem:
         raise WorkError(f"{folder}: cannot write: {problem.strerror}") from None
+
+
+def check_made(job: Job, folder: Path, *, overwrite: bool) -> None:
+    """Refuse a folder that no batch made.
+
+    Parameters
+    ----------
+    job : Job
+        Any.
+    folder : Path
+        Of the job.
+    overwrite : bool
+        Whether such a folder may be written to.
+
+    Raises
+    ------
+    InputError
+        If the folder holds files of somebody else.
+    WorkError
+        If it cannot be read.
+    """
+    try:
+        strange = (
+            not overwrite and not _mark(job, folder).exists() and folder.is_dir() and any(folder.iterdir())
+        )
+    except OSError as problem:
+        raise WorkError(f"{folder}: cannot write: {problem.strerror}") from None
+    if strange:
+        raise InputError(
+            f"{folder} holds files that no batch made; move them away, or allow it with --overwrite"
+        )
+
+
+def _mark(job: Job, folder: Path) -> Path:
+    return folder.parent / LOCKS / f"{job.name}.made"
 
 
 @contextmanager

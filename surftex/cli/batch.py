@@ -6,7 +6,7 @@ from typing import Any
 
 from surftex.bake.batch import BatchResult, JobResult
 from surftex.cli.say import note, out
-from surftex.errors import InputError, RecipeError, SurftexError
+from surftex.errors import InputError, RecipeError, SurftexError, WorkError
 from surftex.recipe.batch import REPORT, Batch, Job, load_batch
 
 
@@ -133,7 +133,7 @@ def _plan(batch: Batch, options: Namespace) -> None:
         row = {"name": job.name, "mesh": job.recipe.mesh.path, "resolution": job.recipe.bake.resolution}
         rows.append(row | {"kept": False} | cost)
         if "problem" not in cost:
-            rows[-1] |= _foreseen(batch, job, resume=options.resume)
+            rows[-1] |= _foreseen(batch, job, resume=options.resume, overwrite=options.overwrite)
     bad = sum("problem" in row for row in rows)
     if options.json:
         out(json.dumps({"out": str(batch.out), "jobs": rows}, indent=1, ensure_ascii=False))
@@ -146,15 +146,22 @@ def _plan(batch: Batch, options: Namespace) -> None:
         kept = sum(row["kept"] for row in rows)
         out(f"{len(rows)} jobs, {kept} of them kept, about {seconds:.0f} CPU-s")
     if bad:
-        raise InputError(f"{bad} of {len(rows)} jobs would fail")
+        grave = any(row.get("exit_code") == WorkError.exit_code for row in rows)
+        raise (WorkError if grave else InputError)(f"{bad} of {len(rows)} jobs would fail")
 
 
-def _foreseen(batch: Batch, job: Job, *, resume: bool) -> dict[str, Any]:
-    """Tell whether a job is done already, or a file that it names cannot be read."""
-    from surftex.bake.jobs import is_done, job_contents, job_key
+def _foreseen(batch: Batch, job: Job, *, resume: bool, overwrite: bool) -> dict[str, Any]:
+    """Tell whether a job is done already, names a file that cannot be read, or has no folder to go to."""
+    from surftex.bake.jobs import check_made, is_done, job_contents, job_key
+    from surftex.files.output import check_room
 
+    folder = batch.out / job.name
     try:
         key = job_key(job.recipe, job_contents(job.recipe))
+        if resume and is_done(folder, key):
+            return {"kept": True}
+        check_made(job, folder, overwrite=overwrite)
+        check_room(folder)
     except SurftexError as problem:
-        return {"problem": str(problem)}
-    return {"kept": resume and is_done(batch.out / job.name, key)}
+        return {"problem": str(problem), "exit_code": problem.exit_code}
+    return {}

@@ -4,7 +4,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -165,14 +165,32 @@ def slices(
         return [future.result() for future in futures]
 
 
-def one_blas_thread() -> AbstractContextManager[Any]:
+_BLAS = threading.Lock()
+_LIMITS: list[Any] = []
+_HOLDERS = 0
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
     """Keep BLAS on one thread: on small blocks several mostly wait, and rounding would depend on their number.
 
-    Returns
-    -------
-    context : context manager
-        In force until it is left.
+    Blocks may overlap in several threads: the last one that is left sets back what was there before the first.
+
+    Yields
+    ------
+    None
+        The block in which it holds, also for libraries that were loaded in a block around it.
     """
     from threadpoolctl import threadpool_limits
 
-    return threadpool_limits(limits=1, user_api="blas")
+    global _HOLDERS
+    with _BLAS:
+        _HOLDERS += 1
+        _LIMITS.append(threadpool_limits(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _BLAS:
+            _HOLDERS -= 1
+            while _LIMITS and not _HOLDERS:
+                _LIMITS.pop().restore_original_limits()

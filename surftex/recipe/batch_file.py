@@ -1,6 +1,5 @@
 """A batch as it is written: its keys, and what is wrong with one of them alone."""
 
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,7 +11,7 @@ from surftex.recipe import lines
 from surftex.recipe.hints import nearest
 from surftex.recipe.mistakes import told
 from surftex.recipe.model import BakeSettings, MeshSettings
-from surftex.recipe.read import read_text
+from surftex.recipe.read import parsed, read_text
 
 Words = Annotated[
     tuple[StrictStr, ...], BeforeValidator(lambda value: [value] if isinstance(value, str) else value)
@@ -89,27 +88,17 @@ def read_batch(file: Path) -> tuple[BatchFile, Where]:
     RecipeError
         With file, line and key, in one line.
     """
-    values, where = _parsed(read_text(file, what="batch"), str(file))
+    values, known = parsed(read_text(file, what="batch"), str(file))
+    where = _where(str(file), known)
     return _validated(values, where), where
 
 
-def _parsed(text: str, name: str) -> tuple[dict[str, Any], Where]:
-    try:
-        values, known = tomllib.loads(text), lines.key_lines(text)
-    except tomllib.TOMLDecodeError as problem:
-        what, _, place = str(problem).partition(" (at line ")
-        line = place.split(",")[0] if place else str(text.count("\n") + 1)
-        raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
-    except RecursionError:
-        raise RecipeError(f"{name}: nested too deeply to be read") from None
-    except ValueError:  # of int, which tells no line
-        raise RecipeError(f"{name}: a number has too many digits to be read") from None
-
+def _where(name: str, known: dict[lines.Path, int]) -> Where:
     def where(path: lines.Path) -> str:
         line = next((known[path[:n]] for n in range(len(path), 0, -1) if path[:n] in known), None)
         return f"{name}: " if line is None else f"{name}:{line}: "
 
-    return values, where
+    return where
 
 
 def _validated(values: dict[str, Any], where: Where) -> BatchFile:

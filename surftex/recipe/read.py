@@ -77,17 +77,7 @@ def recipe_from_text(
     RecipeError
         With name, line and key.
     """
-    try:
-        values = tomllib.loads(text)
-        known = lines.key_lines(text)
-    except tomllib.TOMLDecodeError as problem:
-        what, _, place = str(problem).partition(" (at line ")
-        line = place.split(",")[0] if place else str(text.count("\n") + 1)
-        raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
-    except RecursionError:
-        raise RecipeError(f"{name}: nested too deeply to be read") from None
-    except ValueError:  # of int, which tells no line
-        raise RecipeError(f"{name}: a number has too many digits to be read") from None
+    values, known = parsed(text, name)
     where = lines.Places(name, known, {change(values, each): each for each in changes})
     recipe = checked_recipe(values, where)
     return _with_paths(recipe, folder or Path(), where, allow_outside=allow_outside).located(where)
@@ -143,6 +133,40 @@ def recipe_for(material: str | Path, *, allow_outside: bool = False, changes: It
     if str(material).lower().endswith(".toml"):
         return load_recipe(material, allow_outside=allow_outside, changes=changes)
     return recipe_from_preset(str(material), changes=changes)
+
+
+def parsed(text: str, name: str) -> tuple[dict[str, Any], dict[lines.Path, int]]:
+    """Parse TOML.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    name : str
+        What messages call it.
+
+    Returns
+    -------
+    values : dict
+        As written.
+    known : dict of tuple to int
+        Line of each key.
+
+    Raises
+    ------
+    RecipeError
+        With name and line.
+    """
+    try:
+        return tomllib.loads(text), lines.key_lines(text)
+    except tomllib.TOMLDecodeError as problem:
+        what, _, place = str(problem).partition(" (at line ")
+        line = place.split(",")[0] if place else str(text.count("\n") + 1)
+        raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
+    except RecursionError:
+        raise RecipeError(f"{name}: nested too deeply to be read") from None
+    except ValueError:  # of int, which tells no line
+        raise RecipeError(f"{name}: a number has too many digits to be read") from None
 
 
 def read_text(file: Path, *, what: str = "recipe") -> str:

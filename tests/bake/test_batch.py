@@ -356,7 +356,7 @@ def test_a_plan_tells_what_is_kept_and_what_would_fail_and_ends_as_the_batch_wou
         "dry_run": True,
         "json": False,
     }
-    options = Namespace(subject=studio / "jobs.toml", resume=True, **plain)
+    options = Namespace(subject=studio / "jobs.toml", resume=True, overwrite=False, **plain)
     (studio / "jobs.toml").write_text(JOBS.replace("[1, 2]", "[1]"))
     done_in(studio)
     (studio / "jobs.toml").write_text(JOBS)
@@ -376,6 +376,34 @@ def test_a_plan_tells_what_is_kept_and_what_would_fail_and_ends_as_the_batch_wou
     with pytest.raises(InputError, match=r"^2 of 4 jobs would fail$"):
         run(options)
     assert capsys.readouterr().out.count("two.obj: no such mesh file") == 2
+
+
+def test_a_plan_tells_of_folders_that_the_batch_would_refuse(studio, capsys):
+    from argparse import Namespace
+
+    from surftex.cli.batch import run
+
+    options = Namespace(
+        subject=studio / "jobs.toml", resume=True, overwrite=False, shared_files=False, scheduler=None,
+        allow_outside=False, dry_run=True, json=False,
+    )  # fmt: skip
+    batch = load_batch(studio / "jobs.toml")
+    strange = batch.out / batch.jobs[0].name
+    strange.mkdir(parents=True)
+    (strange / "letter.txt").write_text("dear")
+    with pytest.raises(InputError, match=r"^1 of 4 jobs would fail$"):
+        run(options)
+    assert "holds files that no batch made" in capsys.readouterr().out
+    options.overwrite = True
+    run(options)
+    assert (strange / "letter.txt").read_text() == "dear"
+    (strange / "letter.txt").unlink()
+    strange.rmdir()
+    batch.out.rmdir()
+    batch.out.write_text("a file")
+    with pytest.raises(WorkError, match=r"^4 of 4 jobs would fail$"):
+        run(options)
+    assert capsys.readouterr().out.count("it is no folder") == 4
 
 
 def test_an_interrupted_batch_says_what_is_done_and_reports_it(studio):
