@@ -254,10 +254,12 @@ def specks():
     painted = np.ascontiguousarray(label[:224, :224])
     for order in ("pair", "quad"):
         model = sx.learn_composite(picture, label, order=order)
+        low, high = np.percentile(picture @ model.bands.axes, (0.5, 99.5), axis=(0, 1))
         drawn = {f"{order}, {sweeps} sweeps": model.synthesize(224, 224, 1, labels=painted, sweeps=sweeps)
                  for sweeps in (model.sweeps, 4 * model.sweeps)[: 2 if order == "pair" else 1]}  # fmt: skip
         for name, shown in {"exemplar": picture[:224, :224], **drawn}.items():
-            level = model.bands.levels_of(shown.astype(np.float32)).astype(int)
+            level = np.clip(32 * (shown @ model.bands.axes - low) / (high - low), 0, 31).astype(int)
+            level = np.moveaxis(level, -1, 0)
             light, *tints = (each[painted == 2] for each in level)
             common = np.flatnonzero(np.bincount(light) > 20)
             stray = [np.sqrt(np.mean([tint[light == each].var() for each in common])) for tint in tints]

@@ -102,12 +102,13 @@ def _lack(model: TextureModel, reference: NDArray[Any]) -> float:
     """Mean distance of pairs of next pixels of the first band from those of the model."""
     whole, target = model.bands, model.target
     bands = replace(
-        whole, names=whole.names[: whole.shown], low=whole.low[: whole.shown], high=whole.high[: whole.shown]
-    )
+        whole, names=whole.names[: whole.shown], low=whole.low[: whole.shown], high=whole.high[: whole.shown],
+        curve=whole.curve[:, : whole.shown],
+    )  # fmt: skip
     picture = reference.astype(np.float32).reshape(*reference.shape[:2], -1)
     if picture.shape[2] != bands.shown:
         picture = np.repeat(picture.mean(axis=2, keepdims=True), bands.shown, axis=2)
-    exemplar = Exemplar.of(picture, bands, np.ones(picture.shape[:2], bool), 1)
+    exemplar = Exemplar.of(bands.levels_of(picture), np.ones(picture.shape[:2], bool), 1)
     kind = target.pair_type
     near = (kind[:, :2] == 0).all(axis=1) & (np.abs(kind[:, 2:]).sum(axis=1) == 1)
     return float(distance(exemplar.pairs(kind[near], target.code), target.pair[0][near]).mean())

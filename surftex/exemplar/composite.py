@@ -286,7 +286,7 @@ class CompositeModel:
         group = plane.hold(label[None], 0)[0]
         level = self.levels_on(plane, seed, group, sweeps=sweeps, threads=threads, tick=PartTick(tick, 0.2))
         number = within_levels(plane, level, stream(seed, "exemplar", "within"), group)
-        return {**self.bands.maps_of(number.reshape(-1, height, width)), "labels": label}
+        return {**self.bands.maps_of(number.reshape(-1, height, width), label), "labels": label}
 
     def levels_on(
         self,
@@ -420,14 +420,15 @@ def learn_composite(
     label = np.where(under, leaf, layout.leaves).astype(np.uint8)
     count = layout.leaves + over
     _check_counts(label, count)
-    bands = Bands.learnt(picture, names, np.ones(label.shape, bool), LEVELS)
+    bands = Bands.learnt(picture, names, np.ones(label.shape, bool), LEVELS, label)
+    level = bands.levels_of(picture, label)
     found: list[Target] = []
     for each in range(count):
         inside = label == each
         part = PartTick(tick, each / count, (each + 1) / count)
-        found.append(learning(picture, bands, inside, most, (), radius, seed, threads, part)[1])
+        found.append(learning(level, inside, most, (), radius, seed, threads, part)[1])
     spacings = tuple(k for k in spacings if 6 * k <= min(label.shape)) if order == "quad" else ()
-    return CompositeModel(bands, _joined(picture, bands, label, found, spacings, threads), layout, cover)
+    return CompositeModel(bands, _joined(level, bands, label, found, spacings, threads), layout, cover)
 
 
 def _beneath(label: NDArray[np.uint8], under: NDArray[np.bool_]) -> NDArray[np.uint8]:
@@ -477,7 +478,7 @@ def _check_counts(label: NDArray[np.uint8], count: int) -> None:
 
 
 def _joined(
-    picture: NDArray[np.float32],
+    level: NDArray[np.uint8],
     bands: Bands,
     label: NDArray[np.uint8],
     found: list[Target],
@@ -500,7 +501,7 @@ def _joined(
     used = np.array([[kind in some for kind in kinds] for some in [*chosen, near]])
     band, shape = quad_pool(bands.telling, spacings)
     reach = max(int(np.abs(pair_type[:, 2:]).max()), *(3 * each for each in spacings), 1)
-    exemplar = Exemplar.of(picture, bands, np.ones(label.shape, bool), reach, threads)
+    exemplar = Exemplar.of(level, np.ones(label.shape, bool), reach, threads)
     plane: Plane = exemplar.plane
     group = plane.hold(label[None], 0)[0]
     single = level_shares(plane, exemplar.level, LEVELS, group=group, groups=count)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.exemplar.bands import Bands
 from surftex.exemplar.lattice import MISSING, Plane
 from surftex.exemplar.measure import distance, level_shares, pair_shares, quad_shares
 
@@ -34,20 +33,17 @@ class Exemplar:
 
     @staticmethod
     def of(
-        picture: NDArray[np.float32],
-        bands: Bands,
+        level: NDArray[np.uint8],
         inside: NDArray[np.bool_],
         margin: int,
         threads: int | None = None,
     ) -> "Exemplar":
-        """Cut a picture into levels.
+        """Lay levels of a picture out to be counted.
 
         Parameters
         ----------
-        picture : (h, w, c) float32
-            0 to 255.
-        bands : Bands
-            How.
+        level : (c, h, w) uint8
+            Of `Bands.levels_of`.
         inside : (h, w) bool
             Pixels that count.
         margin : int
@@ -60,8 +56,7 @@ class Exemplar:
         exemplar : Exemplar
             Ready.
         """
-        level = bands.levels_of(picture)
-        level[:, ~inside] = MISSING
+        level = np.where(inside, level, np.uint8(MISSING))
         plane = Plane.of(level.shape[1], level.shape[2], margin, wrap=False)
         counted = inside.copy()
         every = -(-int(inside.sum()) // _MOST_SITES)

@@ -113,7 +113,8 @@ def learn_texture(
     picture, names, inside = checked_picture(image, mask=mask, height=height, roughness=roughness)
     bands = Bands.learnt(picture, names, inside, LEVELS)
     quad = spacings if order == "quad" else ()
-    exemplar, target = learning(picture, bands, inside, most, quad, radius, seed, threads, tick)
+    level = bands.levels_of(picture)
+    exemplar, target = learning(level, inside, most, quad, radius, seed, threads, tick)
     fours = tuple(each for each in quad if 6 * each <= min(picture.shape[:2]))
     band, shape = quad_pool(bands.telling, fours)
     target = replace(
@@ -168,8 +169,7 @@ def checked_options(
 
 
 def learning(
-    picture: NDArray[np.float32],
-    bands: Bands,
+    level: NDArray[np.uint8],
     inside: NDArray[np.bool_],
     most: int,
     spacings: tuple[int, ...],
@@ -182,9 +182,7 @@ def learning(
 
     Parameters
     ----------
-    picture : (h, w, c) float32
-        0 to 255.
-    bands : Bands
+    level : (c, h, w) uint8
         Of the picture.
     inside : (h, w) bool
         Pixels that count.
@@ -208,9 +206,9 @@ def learning(
     target : Target
         With pairs, without fours.
     """
-    radius = min(radius, min(picture.shape[:2]) // 4)
+    radius = min(radius, min(inside.shape) // 4)
     reach = max(radius, *(3 * each for each in spacings), 1)
-    exemplar = Exemplar.of(picture, bands, inside, reach, threads)
+    exemplar = Exemplar.of(level, inside, reach, threads)
     target = no_cliques(exemplar.levels(LEVELS))
     plane = Plane.of(_SIDE, _SIDE, reach, wrap=True)
     start = random_levels(target.single[0], _SIDE * _SIDE, stream(seed, "exemplar", "first"))

@@ -238,13 +238,20 @@ def _written(model: Model) -> dict[str, Any]:
 
 def _read(document: dict[str, Any]) -> Model:
     kinds: dict[str, Callable[[dict[str, Any]], Model]] = {
-        "texture": lambda each: TextureModel(_bands_read(each["bands"]), _target_read(each["target"])),
+        "texture": _texture_read,
         "labels": _labels_read,
         "composite": _composite_read,
     }
     if document["kind"] not in kinds:
         raise ValueError(f"it is a {document['kind']!r}")
     return kinds[document["kind"]](document)
+
+
+def _texture_read(document: dict[str, Any]) -> TextureModel:
+    bands, target = _bands_read(document["bands"]), _target_read(document["target"])
+    if target.joint or target.groups != 1 or len(bands.curve) != 1 or len(bands.names) != target.bands:
+        raise ValueError("bands that do not fit")
+    return TextureModel(bands, target)
 
 
 def _labels_read(document: dict[str, Any]) -> LabelModel:
@@ -269,7 +276,8 @@ def _composite_read(document: dict[str, Any]) -> CompositeModel:
     layout = _layout_read(document["layout"])
     over = None if document["over"] is None else _labels_read({"targets": document["over"]})
     labels = layout.leaves + (over is not None)
-    if target.joint or labels != target.groups or len(bands.names) != target.bands:
+    fitting = len(bands.names) == target.bands and len(bands.curve) in (1, labels)
+    if target.joint or labels != target.groups or not fitting:
         raise ValueError("textures and layout that do not fit")
     return CompositeModel(bands, target, layout, over)
 
@@ -284,12 +292,16 @@ def _layout_read(document: dict[str, Any], depth: int = 0) -> Layout:
 
 def _bands_written(bands: Bands) -> dict[str, Any]:
     axes = [] if not bands.colored else [round(float(each), 6) for each in bands.axes.ravel()]
+    step = round(float(np.abs(bands.curve).max()) / 127, 6)
+    curve = np.rint(bands.curve[:, 1:] / max(step, 1e-6)).clip(-127, 127).astype(np.int8)
     return {
         "names": list(bands.names),
         "low": [round(float(each), 3) for each in bands.low],
         "high": [round(float(each), 3) for each in bands.high],
         "axes": axes,
         "levels": bands.levels,
+        "curve": curve,
+        "step": step,
     }
 
 
@@ -302,10 +314,14 @@ def _bands_read(written: dict[str, Any]) -> Bands:
     low, high = (np.array(written[key], np.float64) for key in ("low", "high"))
     axes = np.array(written["axes"], np.float64).reshape(3, 3) if colored else np.eye(3)
     levels = int(written["levels"])
+    curve = np.zeros((1, len(names), levels))
+    if "curve" in written:
+        curve = np.pad(float(written["step"]) * written["curve"], ((0, 0), (1, 0), (0, 0)))
     sound = low.shape == high.shape == (len(names),) and (high > low).all() and 2 <= levels <= 32
-    if not sound or not all(np.isfinite(each).all() for each in (low, high, axes)):
+    sound = sound and curve.shape[1:] == (len(names), levels) and 1 <= len(curve) <= MOST_LABELS
+    if not sound or not all(np.isfinite(each).all() for each in (low, high, axes, curve)):
         raise ValueError("ranges of bands that do not fit")
-    return Bands(names, low, high, axes, levels)
+    return Bands(names, low, high, axes, levels, curve)
 
 
 def _target_written(target: Target) -> dict[str, Any]:

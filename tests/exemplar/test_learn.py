@@ -3,6 +3,7 @@ import pytest
 
 import surftex as sx
 from surftex.errors import InputError
+from surftex.exemplar.bands import Bands
 from surftex.exemplar.metrics import copying, near_distance, pattern_distance
 from surftex.randomness import stream
 from tests.exemplar.pictures import echo, noise, pebbles
@@ -135,3 +136,30 @@ def test_fours_leave_out_the_tint_that_cannot_be_seen():
         radius=4,
     )
     assert beside.bands.telling == (0, 1, 3)
+
+
+def test_tints_follow_their_light_along_curves():
+    grey = pebbles(128).astype(float)
+    bent = 255 * (grey / 255) ** 2
+    color = np.stack([grey, 0.5 * grey + 0.5 * bent, bent], axis=2)
+    drawn = sx.learn_texture(color.astype(np.uint8), order="pair").synthesize(96, 96, seed=1).astype(float)
+    told = 255 * (drawn[..., 0] / 255) ** 2
+    assert np.sqrt(((drawn[..., 2] - told) ** 2).mean()) < 4
+
+
+def test_tints_that_go_their_own_way_are_left_alone():
+    grey = pebbles(96).astype(np.float32)
+    own = noise(96, seed=3).astype(np.float32)
+    picture = np.stack([grey, grey, own], axis=2)
+    bands = Bands.learnt(picture, ("red", "green", "blue"), np.ones(grey.shape, bool), 32)
+    assert np.ptp(bands.curve, axis=2).max() == 0
+    label = np.zeros(grey.shape, np.uint8)
+    label[:, 48:] = 1
+    picture[:, 48:, 2] = 0.5 * grey[:, 48:] + 40
+    bands = Bands.learnt(picture, ("red", "green", "blue"), np.ones(grey.shape, bool), 32, label)
+    spread = np.ptp(bands.curve, axis=2).max(axis=1)
+    assert spread[0] == 0
+    assert spread[1] > 5
+    level = bands.levels_of(picture, label)
+    back = bands.numbers_of(level + 0.5, label)
+    assert np.abs(back - picture)[:, 48:].mean() < 4

@@ -92,7 +92,17 @@ def test_arrays_that_lie_about_their_size():
 
 
 def test_bands_keep_colors():
-    model = sx.learn_texture(noise(64, bands=3), order="pair", pairs=3)
+    grey = noise(64).astype(float)
+    color = np.stack([grey, 255 * (grey / 255) ** 2, 255 - grey], axis=2).astype(np.uint8)
+    model = sx.learn_texture(color, order="pair", pairs=3)
     again = unpacked(packed(model))
     assert again.bands.axes == pytest.approx(model.bands.axes, abs=1e-6)
     assert np.abs(again.bands.low - model.bands.low).max() < 0.001
+    assert np.ptp(model.bands.curve) > 1
+    assert again.bands.curve == pytest.approx(model.bands.curve, abs=1e-4)
+
+
+def test_models_without_curves_are_read():
+    head = json.loads(as_json(sx.learn_texture(noise(64), order="pair", pairs=3)))
+    del head["bands"]["curve"], head["bands"]["step"]
+    assert not unpacked(json.dumps(head).encode()).bands.curve.any()

@@ -104,7 +104,7 @@ def place(
     around = Table(NEXT, lattice.table(NEXT, stream(seed, "composite", "steps"), threads=threads))
     held = np.pad(level, ((0, 0), (0, 1)), constant_values=MISSING)
     number = within_levels(around, held, stream(seed, "exemplar", "within"), np.append(label, np.uint8(0)))
-    value = _channels(composite, model.bands, model.bands.numbers_of(number) / 255)
+    value = _channels(composite, model.bands, model.bands.numbers_of(number, label) / 255)
     columns = np.column_stack([value[name] for name in value]).astype(np.float32)
     widths = {name: 1 if each.ndim == 1 else each.shape[1] for name, each in value.items()}
     return CompositePattern(
