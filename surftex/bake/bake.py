@@ -61,7 +61,8 @@ def bake(
     gutter : int, optional
         Free texels around charts; chosen by the resolution without it.
     features : mapping or path, optional
-        What an earlier bake placed (``maps.features`` or its ``features.npz``): nothing is placed anew.
+        What an earlier bake placed (``maps.features`` or its ``features.npz``): nothing is placed anew. A file says
+        with which seed, size and parameters; others are refused, and its seed is taken where none is given.
     tile : int, optional
         Rows that are worked on at a time, to bound memory; cannot change a byte.
     progress : callable, optional
@@ -179,6 +180,7 @@ def _bake(
     from surftex.bake.growth_facts import grown_cells
     from surftex.bake.looks import clamped_warnings
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
+    from surftex.bake.placed import start_from
     from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
     from surftex.bake.scales import scale_report
@@ -191,6 +193,9 @@ def _bake(
     with stages.stage("load"):
         surface = _surface(subject, recipe)
         given = _features(features, settings.max_features)
+        untold: tuple[str, ...] = ()
+        if isinstance(features, (str, os.PathLike)):
+            recipe, untold = start_from(Path(features), recipe, surface)
         fields = make_fields(recipe, surface)
         begun = None if growth is None else growth.begun(recipe, ground_key(surface))
     key = features_key(recipe, surface) if remember and given is None and growth is None else None
@@ -223,7 +228,7 @@ def _bake(
     loaded = surface.warnings
     if settings.udim and unwrapping.own is not None:
         loaded = tuple(each for each in loaded if not each.startswith(LEAVES_PAGE))
-    warnings = loaded + unwrapping.notes + atlas.notes + clamped_warnings(pages, stack)
+    warnings = loaded + untold + unwrapping.notes + atlas.notes + clamped_warnings(pages, stack)
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved

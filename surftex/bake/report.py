@@ -4,6 +4,7 @@ from typing import Any
 
 from surftex.bake.looks import blender_report, subsurface_report
 from surftex.bake.pages import Pages
+from surftex.bake.placed import placed_by
 from surftex.bake.stack import Stack, feature_counts
 from surftex.bake.stages import Stages, peak_rss_mb
 from surftex.charts.atlas import Atlas
@@ -73,6 +74,7 @@ def make_report(
         "wall_s": stages.wall_s(),
         "peak_rss_mb": peak_rss_mb(),
         "features": feature_counts(stack.features),
+        "placed": placed_by(recipe, surface),
         "clamped": pages.clamped,
         "subsurface": subsurface_report(pages, surface.name),
         "blender": blender_report(pages, surface.name),

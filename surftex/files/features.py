@@ -6,6 +6,7 @@ numbers.
 """
 
 import io
+import json
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -25,7 +26,9 @@ MAX_KINDS = 64
 _MAX_HEADER = 10_000
 
 
-def save_features(path: str | Path | BinaryIO, features: Mapping[str, NDArray[Any]]) -> None:
+def save_features(
+    path: str | Path | BinaryIO, features: Mapping[str, NDArray[Any]], told: Mapping[str, Any] | None = None
+) -> None:
     """Write features; the same arrays always give the same bytes.
 
     Parameters
@@ -34,6 +37,8 @@ def save_features(path: str | Path | BinaryIO, features: Mapping[str, NDArray[An
         Of the file; replaced if it is there. `surftex.files.output` makes that safe.
     features : mapping of str to structured array
         By kind: ``face`` (int), ``barycentric`` (3 floats), then any numbers.
+    told : mapping, optional
+        What placed them, in JSON types: kept as the comment of the archive, where it has room (64 KiB).
 
     Raises
     ------
@@ -51,6 +56,29 @@ def save_features(path: str | Path | BinaryIO, features: Mapping[str, NDArray[An
             entry.external_attr = 0o644 << 16
             entry.create_system = 3
             archive.writestr(entry, memory.getvalue())
+        comment = b"" if told is None else json.dumps(told, sort_keys=True).encode()
+        archive.comment = comment if len(comment) <= zipfile.ZIP_MAX_COMMENT else b""
+
+
+def features_told(path: str | Path) -> dict[str, Any] | None:
+    """Read what placed the features of a file.
+
+    Parameters
+    ----------
+    path : path
+        A file that `load_features` reads.
+
+    Returns
+    -------
+    told : dict or None
+        As `save_features` was told; None where the file does not say.
+    """
+    with zipfile.ZipFile(path) as archive:
+        try:
+            told = json.loads(archive.comment)
+        except (ValueError, RecursionError):
+            return None
+    return told if isinstance(told, dict) else None
 
 
 def load_features(path: str | Path, *, max_bytes: int = MAX_BYTES) -> dict[str, NDArray[Any]]:

@@ -184,7 +184,7 @@ class MapSet(Mapping[str, NDArray[Any]]):
         write_maps(self, workplace, threads=threads)
         write_exchange(self, workplace, materialx=materialx, usd=usd)
         if self.features is not None:
-            save_features(workplace / "features.npz", self.features)
+            save_features(workplace / "features.npz", self.features, self.report.get("placed"))
         report = {**self.report, "outputs": file_hashes(workplace)}
         (workplace / "report.json").write_text(
             json.dumps(report, indent=1, ensure_ascii=False) + "\n", "utf-8"

@@ -38,8 +38,7 @@ def composed(recipe: Recipe, mesh: str | Path | None, scale: Mapping[str, Any], 
     if mesh is not None:
         settings_of_mesh = MeshSettings() if settings_of_mesh.path is not None else settings_of_mesh
         settings_of_mesh = settings_of_mesh.model_copy(update={"path": str(mesh)})
-    values: dict[str, Any] = dict(whole)
-    values["fields"] = values.pop("fields_")
+    values = whole.written_keys()
     given = {key: value for key, value in scale.items() if value is not None}
     values["mesh"] = {**settings_of_mesh.model_dump(), **given}
     return checked_recipe(values).located(whole.places)

@@ -236,8 +236,7 @@ class Recipe(BaseModel):
 
         given = {key: value for key, value in settings.items() if value is not None}
         if isinstance(material, Recipe):
-            values: dict[str, Any] = dict(material)
-            values["fields"] = values.pop("fields_")
+            values: dict[str, Any] = material.written_keys()
             where = material._where
         elif isinstance(material, BaseModel) and hasattr(material, "place"):
             values, where = {"layer": (Layer(material=material),)}, Places()
@@ -251,6 +250,19 @@ class Recipe(BaseModel):
             bake = values.get("bake", BakeSettings())
             values["bake"] = {**bake.model_dump(), **given}
         return checked_recipe(values).located(where)
+
+    def written_keys(self) -> dict[str, Any]:
+        """Take the recipe apart by its keys, to validate it anew with changes.
+
+        Returns
+        -------
+        values : dict of str to Any
+            Without the seed where nobody has said one, so that this is known afterwards too.
+        """
+        values = {"fields" if key == "fields_" else key: value for key, value in self}
+        if "seed" not in self.model_fields_set:
+            del values["seed"]
+        return values
 
     def written_out(self) -> dict[str, Any]:
         """Write the recipe out with every default, as reports do.

@@ -240,6 +240,18 @@ class Cells(BaseModel):
             sizes["wrinkles"] = 2 * self.wrinkle_width
         return sizes
 
+    def placing(self) -> dict[str, Any]:
+        """Tell what decides where its features lie; two that tell the same have the same.
+
+        Returns
+        -------
+        placing : dict of str to Any
+            Parameters by name.
+        """
+        from surftex.materials.cells.pattern import KEPT
+
+        return {key: getattr(self, key) for key in Cells.model_fields if key not in KEPT}
+
     def place(
         self,
         surface: Surface,

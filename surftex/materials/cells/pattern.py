@@ -39,7 +39,7 @@ SHAPING = frozenset({
 _SWITCHES = frozenset({"shallows", "blob_height", "grain_height"})
 """Those of which zero and more than zero are two things to gather."""
 
-_KEPT = SHAPING | {
+KEPT = SHAPING | {
     "leanness", "gap", "rounding", "taper", "waviness", "blob_density", "blob_size", "blob_variation", "blob_threshold",
     "wrinkle_taper", "grain_size", "mottle_size",
 }  # fmt: skip
@@ -244,9 +244,7 @@ class CellsPattern:
         keeps : bool
             Then `features` need not be grown anew.
         """
-        return all(
-            getattr(self.cells, key) == getattr(cells, key) for key in Cells.model_fields.keys() - _KEPT
-        )
+        return self.cells.placing() == cells.placing()
 
     @cached_property
     def _inhabited(self) -> NDArray[np.bool_]:

@@ -119,6 +119,17 @@ class Composite(BaseModel):
         """
         return {"pixels": 2.0 * self.pixel_size} if self.relief > 0 else {}
 
+    def placing(self) -> dict[str, Any]:
+        """Tell what decides where its features lie; two that tell the same have the same.
+
+        Returns
+        -------
+        placing : dict of str to Any
+            Parameters by name.
+        """
+        kept = ("relief", "roughness", "specular")
+        return {key: getattr(self, key) for key in Composite.model_fields if key not in kept}
+
     def place(
         self,
         surface: Surface,

@@ -207,6 +207,21 @@ class Leather(BaseModel):
             sizes["crowns"] = 2 * self.crown_width
         return sizes
 
+    def placing(self) -> dict[str, Any]:
+        """Tell what decides where its features lie; two that tell the same have the same.
+
+        Returns
+        -------
+        placing : dict of str to Any
+            Parameters by name.
+        """
+        from surftex.materials.leather.pattern import PLACING
+
+        values = {key: getattr(self, key) for key in PLACING}
+        for key in ("pocket_depth", "scale_overlap"):
+            values[key] = "above 0" if getattr(self, key) else "0"
+        return values
+
     def place(
         self,
         surface: Surface,
@@ -245,14 +260,16 @@ class Leather(BaseModel):
         Raises
         ------
         RecipeError
-            If the surface would hold more than `max_features`, or an expression does not fit.
+            If the surface would hold more than `max_features`, an expression does not fit, or `features` lack a kind.
         """
         from surftex.materials.leather.pattern import LeatherPattern
-        from surftex.materials.leather.skeleton import place
+        from surftex.materials.leather.skeleton import place, refuse_lacking
 
         records = None
         if features is None:
             features, records = place(
                 self, surface, seed, fields=fields, max_features=max_features, threads=threads, tick=tick
             )
+        else:
+            refuse_lacking(self, surface, features)
         return LeatherPattern.build(self, surface, seed, features, records, threads)

@@ -39,11 +39,11 @@ SHAPING = frozenset({
 _SWITCHES = frozenset({"sulcus_variation", "wrinkle_fold", "pocket_depth", "scale_overlap", "grain_height"})
 """Those of which zero and more than zero are two things to gather."""
 
-_PLACING = frozenset({
+PLACING = (
     "cell_size", "size_variation", "cell_ratio", "direction", "cell_shape", "regularity", "invasion", "invasion_mode",
     "stress", "wrinkle_count", "wrinkle_density", "wrinkle_length", "wrinkle_angle", "pore_density", "pore_group",
     "pore_spread", "crown_spacing",
-})  # fmt: skip
+)  # fmt: skip
 """Parameters that decide where elements are; so do `pocket_depth` and `scale_overlap`, by being zero or not."""
 
 _WIDTHS = frozenset({"sulcus_width", "wrinkle_width", "pocket_width", "pore_width", "crown_width"})
@@ -259,10 +259,7 @@ class LeatherPattern:
         keeps : bool
             Then `features` need not be placed anew.
         """
-        return all(getattr(self.leather, key) == getattr(leather, key) for key in _PLACING) and all(
-            bool(getattr(self.leather, key)) == bool(getattr(leather, key))
-            for key in ("pocket_depth", "scale_overlap")
-        )
+        return self.leather.placing() == leather.placing()
 
     @cached_property
     def _cell_numbers(self) -> NDArray[np.float32]:

@@ -314,6 +314,18 @@ class Skin(BaseModel):
             sizes["vessels"] = 2 * self.vessel_width
         return sizes
 
+    def placing(self) -> dict[str, Any]:
+        """Tell what decides where its features lie; two that tell the same have the same.
+
+        Returns
+        -------
+        placing : dict of str to Any
+            Parameters by name.
+        """
+        from surftex.materials.skin.pattern import KEPT
+
+        return {key: getattr(self, key) for key in Skin.model_fields if key not in KEPT}
+
     def place(
         self,
         surface: Surface,

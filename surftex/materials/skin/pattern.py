@@ -44,7 +44,7 @@ SHAPING = frozenset(
 )
 """Parameters that `SkinPattern.shape` reads; all others change the biology, or what is measured."""
 
-_KEPT = SHAPING | {
+KEPT = SHAPING | {
     "melanin", "pheomelanin", "blood", "oxygenation", "stratum_corneum", "epidermis", "variation", "variation_size",
     "mottle", "mottle_size", "drift", "drift_size", "flush", "flush_radius", "flush_where", "tan", "up", "lips_where",
     "lips_blood", "lips_pheomelanin", "lips_epidermis", "mole_irregularity", "freckle_irregularity", "follicle_cover",
@@ -285,7 +285,7 @@ class SkinPattern:
         keeps : bool
             Then `features` need not be placed anew.
         """
-        return all(getattr(self.skin, key) == getattr(skin, key) for key in Skin.model_fields.keys() - _KEPT)
+        return self.skin.placing() == skin.placing()
 
     def _relief(self, net: tuple[Float, Float, Float], footprint_mm: Float) -> tuple[Float, Float]:
         """Furrows and fields of the microrelief: how deep in a furrow, and the height in mm."""
