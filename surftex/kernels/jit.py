@@ -5,9 +5,12 @@ progress and cancel come for free, and the thread count cannot change a byte. Th
 user's cache folder, where it outlives a reinstall.
 """
 
+import hashlib
 import os
+import re
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -16,7 +19,7 @@ import platformdirs
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(platformdirs.user_cache_dir("surftex")) / "kernels"))
 
 import numba  # after the line above: the cache folder is read when numba is imported
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 Result = TypeVar("Result")
 Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
@@ -31,7 +34,19 @@ _INNER: dict[str, Any] = {
 
 
 class _Cache(FunctionCache):
-    """Compiled code on disk, which is a convenience: what cannot be read or written is compiled again."""
+    """Compiled code on disk, which is a convenience: what cannot be read or written is compiled again.
+
+    It holds for the sources that it was made from: the kernel's own file, and all that it takes parts from.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        impl: Any = self._impl
+        self._cache_file = IndexDataCacheFile(
+            cache_path=self._cache_path,
+            filename_base=impl.filename_base,
+            source_stamp=source_stamp(Path(function.__code__.co_filename)),
+        )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Load what was compiled for a signature; None where there is nothing, or it is damaged."""
@@ -51,6 +66,34 @@ class _Cache(FunctionCache):
     def _forget(self) -> None:
         with suppress(OSError):
             self.flush()
+
+
+@cache
+def source_stamp(file: Path) -> str:
+    """Tell apart the sources of a file of kernels.
+
+    Parameters
+    ----------
+    file : path
+        Of the kernels.
+
+    Returns
+    -------
+    stamp : str
+        Another one as soon as the file, or one in its folder that it takes parts or numbers from, is another.
+    """
+    text, seen = hashlib.sha256(), set()
+    todo = [file]
+    while todo:
+        one = todo.pop()
+        if one in seen or not one.is_file():
+            continue
+        seen.add(one)
+        content = one.read_bytes()
+        text.update(content)
+        names = re.findall(rb"^from surftex\.kernels\.(\w+) import", content, re.MULTILINE)
+        todo += [file.with_name(name.decode() + ".py") for name in names]
+    return text.hexdigest()
 
 
 def kernel(function: Callable[..., Result]) -> Callable[..., Result]:

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from surftex.files.output import file_hashes
+from surftex.kernels import jit
 from surftex.randomness import stream
 from tests.files.bad_inputs import ball, obj
 
@@ -158,3 +159,31 @@ def test_damaged_or_forbidden_kernels_are_compiled_again(folder):
         assert path.read_bytes()[:60] == data[:60]
     if Path("/proc/self").exists():
         probe(folder, "/proc/kernels")
+
+
+@pytest.mark.slow
+def test_kernels_are_compiled_again_when_a_part_of_them_changes(folder):
+    package = folder / "surftex" / "kernels"
+    package.mkdir(parents=True)
+    text = (Path(jit.__file__)).read_text()
+    for name, content in {
+        "../__init__.py": "",
+        "__init__.py": "",
+        "jit.py": text,
+        "factor.py": "from surftex.kernels.jit import part\n\n\n@part\ndef factor():\n    return 2\n",
+        "product.py": (
+            "from surftex.kernels.factor import factor\nfrom surftex.kernels.jit import kernel\n\n\n"
+            "@kernel\ndef product(values):\n    values[0] *= factor()\n"
+        ),
+    }.items():
+        (package / name).write_text(content)
+    for times in (2, 3):
+        changed = (package / "factor.py").read_text().replace("return 2", f"return {times}")
+        (package / "factor.py").write_text(changed)
+        process = subprocess.run(
+            [sys.executable, "-c", "import numpy as np; from surftex.kernels.product import product; "
+             "values = np.ones(1); product(values); print(int(values[0]))"],
+            cwd=folder, capture_output=True, text=True, timeout=120,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(folder)},
+        )  # fmt: skip
+        assert process.stdout.strip() == str(times), process.stderr
