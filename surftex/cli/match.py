@@ -92,8 +92,8 @@ def _nodes(texts: list[str]) -> dict[str, int]:
 
 def _tissue(changes: list[str]) -> Any:
     """Tissue with some of its numbers and words changed."""
+    from surftex.materials.hints import nearest
     from surftex.optics.tissue import Tissue
-    from surftex.recipe.hints import nearest
 
     usual, found = Tissue().parameters(), {}
     known = [name for name, value in usual.items() if isinstance(value, (float, str))]

@@ -27,7 +27,7 @@ class Parser(argparse.ArgumentParser):
             With the command whose help to ask for.
         """
         if message.startswith("argument COMMAND: invalid choice: "):
-            from surftex.recipe.hints import nearest
+            from surftex.materials.hints import nearest
 
             word, _, known = message.removeprefix("argument COMMAND: invalid choice: ").partition(
                 " (choose from "
@@ -58,7 +58,7 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser, commands = make_parser()
     options, rest = parser.parse_known_args(arguments)
     if rest:
-        from surftex.recipe.hints import nearest
+        from surftex.materials.hints import nearest
 
         chosen = commands.get(options.command or "", parser)
         known = [

@@ -18,9 +18,9 @@ from typing import Any, Literal
 
 from surftex.errors import InputError, RecipeError, WorkError
 from surftex.files.strokes import Stroke, read_strokes, write_strokes
+from surftex.materials.hints import nearest
 from surftex.preview.controls import Control, controls
 from surftex.recipe.fields import CurvesEntry, DistanceEntry, StrokesEntry
-from surftex.recipe.hints import nearest
 from surftex.recipe.layer import Layer, preset_material
 from surftex.recipe.mistakes import checked_recipe
 from surftex.recipe.model import Recipe

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, StrictInt, StrictStr, ValidationError
 
 from surftex.errors import RecipeError
+from surftex.materials.checked import told
+from surftex.materials.hints import nearest
 from surftex.recipe import lines
-from surftex.recipe.hints import nearest
-from surftex.recipe.mistakes import told
 from surftex.recipe.model import BakeSettings, MeshSettings
 from surftex.recipe.read import parsed, read_text
 

@@ -5,7 +5,7 @@ import tomllib
 from typing import Any
 
 from surftex.errors import RecipeError
-from surftex.recipe.hints import nearest
+from surftex.materials.hints import nearest
 from surftex.recipe.lines import Path
 
 _NUMBERED = re.compile(r"layer\[(\d+)\]")

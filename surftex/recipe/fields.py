@@ -10,7 +10,6 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     BeforeValidator,
-    ConfigDict,
     Discriminator,
     Field,
     StrictBool,
@@ -22,6 +21,7 @@ from pydantic import (
 )
 
 from surftex.errors import RecipeError
+from surftex.materials.checked import Checked
 from surftex.units import length_mm
 
 
@@ -47,11 +47,7 @@ Number = Annotated[StrictFloat | StrictInt, AfterValidator(_moderate)]
 Axis = Annotated[tuple[Number, Number, Number], Field(description="Direction in the file's axes.")]
 
 
-class _Entry(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class ImageEntry(_Entry):
+class ImageEntry(Checked):
     """A picture read through the mesh's own UVs: 0 is black, 1 is white; or 1 where it has one whole number."""
 
     image: StrictStr
@@ -62,7 +58,7 @@ class ImageEntry(_Entry):
     ) = None
 
 
-class AttributeEntry(_Entry):
+class AttributeEntry(Checked):
     """Numbers of the mesh's own vertices or faces: a PLY property, ``color``, ``_CUSTOM`` of a GLB as ``custom``."""
 
     attribute: StrictStr
@@ -70,19 +66,19 @@ class AttributeEntry(_Entry):
     label: StrictInt | None = None
 
 
-class SlopeEntry(_Entry):
+class SlopeEntry(Checked):
     """The cosine between the surface's normal and a direction: 1 facing it, 0 across, -1 facing away."""
 
     slope: Axis
 
 
-class OcclusionEntry(_Entry):
+class OcclusionEntry(Checked):
     """0 in the open, towards 1 in folds and holes; what is farther off than ``occlusion`` does not count."""
 
     occlusion: PositiveMillimetres
 
 
-class DistanceEntry(_Entry):
+class DistanceEntry(Checked):
     """Walking distance in mm to a mask's border (negative inside), a point, or what a JSON file of strokes holds."""
 
     distance_to: Annotated[
@@ -93,13 +89,13 @@ class DistanceEntry(_Entry):
     limit: PositiveMillimetres | None = None
 
 
-class PartEntry(_Entry):
+class PartEntry(Checked):
     """1 on a part of the mesh, 0 elsewhere."""
 
     part: StrictStr
 
 
-class GradientEntry(_Entry):
+class GradientEntry(Checked):
     """From 0 to 1 along an axis, over the mesh's extent or between two coordinates."""
 
     gradient: Axis
@@ -107,7 +103,7 @@ class GradientEntry(_Entry):
     end: Millimetres | None = None
 
 
-class NoiseEntry(_Entry):
+class NoiseEntry(Checked):
     """Noise between `low` and `high`; ``noise`` is the number of octaves."""
 
     noise: Annotated[StrictInt, Field(ge=1, le=12)]
@@ -117,14 +113,14 @@ class NoiseEntry(_Entry):
     high: Number = 1.0
 
 
-class CurvatureEntry(_Entry):
+class CurvatureEntry(Checked):
     """1 where the surface bends outward (convex) or inward (concave) as much as a ball of `radius`."""
 
     curvature: Literal["convex", "concave"]
     radius: PositiveMillimetres
 
 
-class _Turnable(_Entry):
+class _Turnable(Checked):
     perpendicular: StrictBool = False
 
 
@@ -160,14 +156,14 @@ class VectorAttributeEntry(_Turnable):
     longest: PositiveMillimetres | None = None
 
 
-class FaceEntry(_Entry):
+class FaceEntry(Checked):
     """1 on a part of the face, 0 elsewhere; landmarks are picked in a JSON file of named points."""
 
     face: StrictStr
     landmarks: StrictStr
 
 
-class FaceLinesEntry(_Entry):
+class FaceLinesEntry(Checked):
     """Lines of the face, carried to a head by the landmarks of a JSON file; width and depth times what is usual."""
 
     face_lines: Annotated[tuple[StrictStr, ...], Field(min_length=1)]
@@ -181,7 +177,7 @@ class FaceLinesEntry(_Entry):
         return (value,) if isinstance(value, str) else value
 
 
-class CurvesEntry(_Entry):
+class CurvesEntry(Checked):
     """Curves through the strokes of a JSON file; its own ``width_mm`` and ``depth_mm`` go before these."""
 
     curves: StrictStr
@@ -189,7 +185,7 @@ class CurvesEntry(_Entry):
     depth: PositiveMillimetres = 0.2
 
 
-KINDS: dict[str, type[_Entry]] = {
+KINDS: dict[str, type[Checked]] = {
     "image": ImageEntry,
     "attribute": AttributeEntry,
     "part": PartEntry,
@@ -212,7 +208,7 @@ KINDS: dict[str, type[_Entry]] = {
 
 
 def _kind(value: Any) -> str | None:
-    if isinstance(value, _Entry):
+    if isinstance(value, Checked):
         return next(key for key, model in KINDS.items() if isinstance(value, model))
     if isinstance(value, dict):
         found = [key for key in KINDS if key in value]

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 from pydantic import (
     BaseModel,
-    ConfigDict,
     SerializeAsAny,
     StrictFloat,
     StrictInt,
@@ -18,7 +17,8 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from surftex.errors import RecipeError
-from surftex.recipe.hints import nearest
+from surftex.materials.checked import Checked
+from surftex.materials.hints import nearest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -93,14 +93,12 @@ def preset_material(name: str) -> str:
     raise RecipeError(f"there is no preset {name!r}{nearest(name, known)}")
 
 
-class Layer(BaseModel):
+class Layer(Checked):
     """A material and where it lies.
 
     In TOML the material's parameters stand in the same table: ``material = "leather"``, ``preset = "calf"``,
     ``cell_size = "0.9 mm"``, ``mask = "1 - toe"``. Either of material and preset may be left out.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     material: SerializeAsAny[BaseModel]
     preset: StrictStr | None = None

@@ -1,13 +1,14 @@
 """Mistakes in a recipe, told in one line: where, which key, what is wrong, what may have been meant."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
 
 from surftex.errors import RecipeError
+from surftex.materials.checked import in_one_line, told
+from surftex.materials.hints import nearest
 from surftex.recipe.fields import CURVES, DIRECTIONS, KINDS, expression_of, places_file
-from surftex.recipe.hints import nearest
 from surftex.recipe.layer import Layer, material_class, plain_types, preset_material
 from surftex.recipe.lines import Path
 
@@ -37,28 +38,42 @@ def checked_recipe(values: dict[str, Any], where: Where = lambda path: "") -> "R
     Raises
     ------
     RecipeError
-        The first mistake, located, and how many more there are.
+        With each mistake, located.
     """
     from surftex.recipe.model import Recipe
 
     try:
         recipe = Recipe.model_validate(values)
     except ValidationError as problem:
-        raise RecipeError(_first_mistake(problem, values, where)) from None
+        raise RecipeError(told_mistakes(problem, values, where)) from None
     _check_names(recipe, where)
     return recipe
 
 
-def _first_mistake(problem: ValidationError, values: dict[str, Any], where: Where) -> str:
+def told_mistakes(problem: ValidationError, values: dict[str, Any], where: Where = lambda path: "") -> str:
+    """Tell what is wrong with a recipe.
+
+    Parameters
+    ----------
+    problem : ValidationError
+        Of the whole.
+    values : dict
+        As read from TOML.
+    where : callable
+        Where each key was written.
+
+    Returns
+    -------
+    text : str
+        One line: each mistake, located.
+    """
     found: dict[Path, str] = {}
     for error in sorted(problem.errors(include_url=False), key=lambda error: error["type"] == "missing"):
         path, text = _mistake(dict(error), values)
         if error["type"] == "missing" and any(other[:-1] == path[:-1] for other in found):
             continue  # a key that is missing where another is unknown was mistyped
         found.setdefault(path, f"{where(path)}{_joined(path, values)}: {text}")
-    first = next(iter(found.values()))
-    rest = len(found) - 1
-    return first + (f" (and {rest} more mistake{'s' if rest > 1 else ''})" if rest else "")
+    return in_one_line(found.values())
 
 
 def _mistake(error: dict[str, Any], values: dict[str, Any]) -> tuple[Path, str]:
@@ -83,25 +98,6 @@ def _mistake(error: dict[str, Any], values: dict[str, Any]) -> tuple[Path, str]:
             return path, NO_LAYER
         return path, "this key is needed and missing"
     return path, told(error)
-
-
-def told(error: Mapping[str, Any]) -> str:
-    """Say what is wrong with a value.
-
-    Parameters
-    ----------
-    error : mapping
-        One of pydantic's.
-
-    Returns
-    -------
-    text : str
-        With the value, where the reason does not show it.
-    """
-    text = str(error["msg"]).removeprefix("Value error, ")
-    if text.startswith("Input "):
-        return f"{_shown(error['input'])}: {text.removeprefix('Input ')}"
-    return text
 
 
 def _key_path(location: tuple[str | int, ...], values: dict[str, Any]) -> Path:
@@ -172,11 +168,6 @@ def _joined(path: Path, values: dict[str, Any]) -> str:
         else:
             text += f".{step}" if text else step
     return text or "recipe"
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _check_names(recipe: "Recipe", where: Where) -> None:

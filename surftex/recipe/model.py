@@ -1,22 +1,24 @@
 """`Recipe`: everything that decides a bake, as a user writes it in TOML."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     PrivateAttr,
     StrictBool,
     StrictInt,
     StrictStr,
+    ValidationError,
     field_validator,
     model_validator,
 )
 
 from surftex.errors import RecipeError
+from surftex.materials.checked import Checked
 from surftex.recipe.fields import FieldEntry, PositiveMillimetres
 from surftex.recipe.layer import Layer
 from surftex.recipe.lines import Places
@@ -34,10 +36,8 @@ NO_LAYER = "a recipe needs at least one [[layer]] with a material or a preset"
 """What is wrong with a recipe that says nothing."""
 
 
-class MeshSettings(BaseModel):
+class MeshSettings(Checked):
     """Which mesh, and how large it is."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     path: StrictStr | None = Field(
         default=None, description="Relative to the recipe's folder, which it may not leave."
@@ -57,10 +57,8 @@ def _map_list(value: Any) -> Any:
     return [name.strip() for name in value.split(",") if name.strip()] if isinstance(value, str) else value
 
 
-class BakeSettings(BaseModel):
+class BakeSettings(Checked):
     """How the pages come out."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     resolution: Annotated[StrictInt, Field(ge=16, le=32768)] = 2048
     maps: Annotated[tuple[StrictStr, ...], BeforeValidator(_map_list)] | None = Field(
@@ -113,7 +111,7 @@ class BakeSettings(BaseModel):
     @field_validator("maps")
     @classmethod
     def _known_maps(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        from surftex.recipe.hints import nearest
+        from surftex.materials.hints import nearest
 
         for name in names or ():
             if name not in MAPS:
@@ -123,13 +121,11 @@ class BakeSettings(BaseModel):
         return None if names is None else tuple(dict.fromkeys(names))
 
 
-class Recipe(BaseModel):
+class Recipe(Checked):
     """A mesh, materials in layers, the fields that they use, and how to bake.
 
     Layers lie over one another in their order: each covers what lies below by its mask.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     surftex: Literal[1] = Field(default=1, description="Version of the format.")
     seed: StrictInt = 0
@@ -138,6 +134,13 @@ class Recipe(BaseModel):
     fields_: dict[str, FieldEntry] = Field(default_factory=dict, alias="fields")
     layer: tuple[Layer, ...]
     _where: Places = PrivateAttr(default_factory=Places)
+
+    @classmethod
+    def mistakes(cls, problem: ValidationError, values: Mapping[str, Any]) -> str:
+        """Tell what is wrong with a recipe that was made in Python, as of one that was read."""
+        from surftex.recipe.mistakes import told_mistakes
+
+        return told_mistakes(problem, dict(values))
 
     def located(self, where: Places) -> "Recipe":
         """Remember where each key was written, for mistakes that only the mesh brings to light.

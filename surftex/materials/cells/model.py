@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from surftex.features.growth_law import GrowthLaw
+from surftex.materials.checked import Checked
 from surftex.materials.parameters import (
     Amount,
     Color,
@@ -27,15 +28,13 @@ def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
     return Field(default, description=text, json_schema_extra={"group": group}, **limits)
 
 
-class Cells(BaseModel):
+class Cells(Checked):
     """Leather grown from particles: cells with three and four sides, parted by grooves, carved like pebbles.
 
     Particles are born on the surface, grow, push each other and rise until they lie packed under a ceiling; the mesh that
     joins their centres parts the cells, and each is rounded, tapered, domed and dotted with metaballs. After a
     Japanese report on leather texture from particle simulation and metaballs; wrinkles, waver and colour go beyond it.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["cells"] = "cells"
 

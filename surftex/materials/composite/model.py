@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from surftex.materials.checked import Checked
 from surftex.materials.parameters import Length, NumberField, PositiveLength, Share
 from surftex.surface.surface import Surface
 
@@ -17,15 +18,13 @@ def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
     return Field(default, description=text, json_schema_extra={"group": group}, **limits)
 
 
-class Composite(BaseModel):
+class Composite(Checked):
     """A texture learnt from a photograph, drawn anew on the surface, across its seams.
 
     The model (``surftex learn``) holds statistics of pairs and fours of pixels; no pixel of the photograph is copied. The
     surface gets pixels of its own, as large everywhere, and each is drawn by its neighbours on the surface.
     After Zalesny, Auf der Maur and Van Gool, Composite Textures (2001); fours, surfaces and maps beside colour go beyond it.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     files: ClassVar[tuple[str, ...]] = ("model",)
     """Parameters that name files."""

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from surftex.materials.checked import Checked
 from surftex.materials.parameters import (
     Amount,
     Color,
@@ -25,14 +26,12 @@ def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
     return Field(default, description=text, json_schema_extra={"group": group}, **limits)
 
 
-class Leather(BaseModel):
+class Leather(Checked):
     """Full-grain leather: convex plates (cristae) parted by furrows (sulci), wrinkles, pockets, pores.
 
     The five structural elements, their skeletons and profiles follow Sakurai, Miyata, Kawai and Matsufuji,
     "Procedural Modeling of Leather Texture with Structural Elements"; crowns, scales and colour go beyond it.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     kind: Literal["leather"] = "leather"
 

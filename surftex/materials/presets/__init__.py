@@ -1,16 +1,15 @@
 """The shelf: one TOML file per preset, named as users name it, in a folder per material."""
 
-import difflib
 import tomllib
 from functools import cache
 from importlib.resources import files
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
-
 from surftex.errors import RecipeError
+from surftex.materials.checked import Checked
+from surftex.materials.hints import nearest
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound=Checked)
 
 
 @cache
@@ -79,9 +78,7 @@ def parameters(kind: str, name: str) -> dict[str, Any]:
     """
     shelf = _shelf(kind)
     if name not in shelf:
-        near = difflib.get_close_matches(name, shelf, 3, 0.5)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(shelf)}"
-        raise RecipeError(f"there is no {kind} preset {name!r}; {hint}")
+        raise RecipeError(f"there is no {kind} preset {name!r}{nearest(name, shelf)}")
     values = {key: value for key, value in shelf[name].items() if key != "caption"}
     base = values.pop("base", None)
     return {**parameters(kind, base), **values} if base else values
@@ -110,11 +107,4 @@ def preset(model: type[Model], name: str, changes: dict[str, Any]) -> Model:
         If the preset is unknown, or a change does not fit.
     """
     kind = model.model_fields["kind"].default
-    try:
-        return model.model_validate({**parameters(kind, name), **changes})
-    except ValidationError as problem:
-        first = problem.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        near = difflib.get_close_matches(key, model.model_fields, 1)
-        hint = f"; did you mean {near[0]}?" if first["type"] == "extra_forbidden" and near else ""
-        raise RecipeError(f"{kind}.{key}: {first['msg']}{hint}") from None
+    return model(**{**parameters(kind, name), **changes})

@@ -4,9 +4,10 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
 from surftex.fields.splines import Profile
+from surftex.materials.checked import Checked
 from surftex.materials.parameters import (
     Amount,
     AmountRange,
@@ -51,15 +52,13 @@ def _where(group: str, what: str) -> Any:
     return _field(1.0, group, f"How likely {what} are: 0 to 1, or an expression over the recipe's fields.")
 
 
-class Skin(BaseModel):
+class Skin(Checked):
     """Human skin: pigments and blood of every point, and the features that change them.
 
     Cysts, moles, follicles, freckles, lips and wrinkles follow a procedural model of skin; microrelief, pores, pock marks,
     scars, vessels, goose bumps and sebum go beyond it. A radius is given as (mean, standard deviation) of a normal
     draw, whose absolute value counts; heights and strengths as (least, greatest) of a uniform one.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     files: ClassVar[tuple[str, ...]] = ("table",)
     """Parameters that name files."""
