@@ -183,7 +183,7 @@ def _bake(
     from surftex.bake.placed import start_from
     from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
-    from surftex.bake.scales import scale_report
+    from surftex.bake.scales import scale_report, size_warnings
     from surftex.bake.stack import place_stack
     from surftex.bake.unwrapping import Unwrapping
     from surftex.files.building import LEAVES_PAGE
@@ -228,7 +228,17 @@ def _bake(
     loaded = surface.warnings
     if settings.udim and unwrapping.own is not None:
         loaded = tuple(each for each in loaded if not each.startswith(LEAVES_PAGE))
-    warnings = loaded + untold + unwrapping.notes + atlas.notes + clamped_warnings(pages, stack)
+    side = settings.resolution
+    fits = size_warnings(recipe, surface.longest_side_mm, atlas.texels_per_mm(surface, side), side)
+    warnings = (
+        loaded
+        + untold
+        + unwrapping.notes
+        + atlas.notes
+        + fits
+        + stack.warnings
+        + clamped_warnings(pages, stack)
+    )
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved

@@ -44,14 +44,16 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
     -------
     cost : dict
         ``material``, ``cells``, ``max_features``, ``threads``, and ``pages``: for each ``resolution``
-        ``texels_per_mm``, ``texels_per_cell``, ``seconds`` of wall time, ``memory_mb``.
+        ``texels_per_mm``, ``texels_per_cell``, ``seconds`` of wall time, ``memory_mb``; ``warnings``: where its cells fit
+        neither the mesh nor the usual page.
     """
+    from surftex.bake.scales import size_warnings
     from surftex.materials.leather.model import Leather
-    from surftex.recipe.model import BakeSettings
 
+    recipe = Recipe.of(Leather.preset(material))
     size_mm = float(Leather.preset(material).cell_size)
     cells = max(1, round(_CELLS * surface.area_mm2 / size_mm**2))
-    most = BakeSettings().max_features
+    most = recipe.bake.max_features
     threads, faces = thread_count(None), len(surface.faces)
     pages = [
         {
@@ -63,7 +65,16 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
         }
         for side in (1024, 2048, 4096, 8192)
     ]
-    return {"material": material, "cells": cells, "threads": threads, "max_features": most, "pages": pages}
+    side = recipe.bake.resolution
+    warnings = size_warnings(recipe, surface.longest_side_mm, _density(surface, side), side)
+    return {
+        "material": material,
+        "cells": cells,
+        "threads": threads,
+        "max_features": most,
+        "pages": pages,
+        "warnings": list(warnings),
+    }
 
 
 def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:

@@ -42,9 +42,7 @@ def placed_by(recipe: Recipe, surface: Surface) -> dict[str, Any]:
         if name in entries and name not in used:
             used[name] = entries[name]
             words += _words(entries[name])
-    corners = surface.vertices
-    size_mm = float((corners.max(axis=0) - corners.min(axis=0)).max())
-    return {"seed": recipe.seed, "size_mm": size_mm, "layer": layers, "fields": used}
+    return {"seed": recipe.seed, "size_mm": surface.longest_side_mm, "layer": layers, "fields": used}
 
 
 def start_from(file: Path, recipe: Recipe, surface: Surface) -> tuple[Recipe, tuple[str, ...]]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from surftex.fields.detail import finest_detail_mm
@@ -12,6 +13,54 @@ from surftex.surface.surface import Surface
 
 GAP = 4.0
 """Between the largest feature and the finest detail of a mesh, from which on it is told as a gap."""
+
+
+LEAST_TEXELS = 2.0
+"""Across a feature, for it to be seen at all: a bright and a dark one."""
+
+_RESOLUTIONS = (256, 512, 1024, 2048, 4096, 8192)
+
+
+def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resolution: int) -> tuple[str, ...]:
+    """Warn of what each layer is made of first, such as its cells, where it fits neither the mesh nor the texels.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The layers.
+    size_mm : float
+        Longest side of the mesh.
+    texels_per_mm : float
+        Density of the page.
+    resolution : int
+        Side of the page in texels.
+
+    Returns
+    -------
+    warnings : tuple of str
+        Each says what would do.
+    """
+    found = []
+    for i, layer in enumerate(recipe.layer):
+        known = getattr(layer.material, "wavelengths_mm", dict)()
+        kind, wide_mm = next(iter(known.items()), ("", 0.0))
+        label = f"layer[{i + 1}]: " if len(recipe.layer) > 1 else ""
+        texels = wide_mm * texels_per_mm
+        if wide_mm > size_mm:
+            found.append(
+                f"{label}{kind} of {wide_mm:.4g} mm are larger than the mesh, whose longest side is {size_mm:.4g} mm; is a "
+                "unit wrong? --units and --size scale the mesh"
+            )
+        elif 0 < texels < LEAST_TEXELS:
+            needed = resolution * LEAST_TEXELS / texels
+            sides = [side for side in _RESOLUTIONS if side >= needed and recipe.bake.texels_per_mm is None]
+            would = [f"--resolution {side}" for side in sides[:1]]
+            would.append(f"--udim --texels-per-mm {np.ceil(20 * LEAST_TEXELS / wide_mm) / 20:g}")
+            found.append(
+                f"{label}{kind} of {wide_mm:.4g} mm are {texels:.2g} texels wide at {resolution}, too few to be seen; "
+                f"{' or '.join(would)} would do"
+            )
+    return tuple(found)
 
 
 def scale_report(

@@ -60,6 +60,7 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
     rows += [_page(page) for page in cost["pages"]]
     if cost["cells"] > cost["max_features"]:
         rows.append(f"  that is more than --max-features {cost['max_features']:,}: is the unit right?")
+    rows += [f"  warning: {warning}" for warning in cost["warnings"]]
     rows += [f"warning: {warning}" for warning in facts["warnings"]]
     return rows
 

@@ -263,6 +263,11 @@ class Surface:
         return float(self.face_area_mm2.sum())
 
     @cached_property
+    def longest_side_mm(self) -> float:
+        """Of the bounding box: what ``--size`` sets."""
+        return float(np.ptp(self.vertices, axis=0).max())
+
+    @cached_property
     def mean_edge_mm(self) -> float:
         """Mean edge length: the h of error bounds and of the choice of solver."""
         return float(self.edge_length.mean())

@@ -48,6 +48,12 @@ PLACING = (
 
 _WIDTHS = frozenset({"sulcus_width", "wrinkle_width", "pocket_width", "pore_width", "crown_width"})
 
+LEAST_IN_ROWS = 80
+"""Cells on a body, for rows to be seen: on a ball with 54 there are none, with 105 there are some."""
+
+_BODY = 0.01
+"""Share of the area from which on a body is looked at."""
+
 _FLOODED = 1.5
 """How far elements are flooded, in widths."""
 
@@ -149,6 +155,23 @@ class LeatherPattern:
             Cells.build(leather, surface, features["cell"], stream(seed, "leather", "borders"), records, threads),
             MappingProxyType(curves), MappingProxyType(points), seed,
         )  # fmt: skip
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the reader of a report should know."""
+        if self.leather.cell_shape != "box":
+            return ()
+        surface, count = self.surface, int(self.surface.component.max()) + 1
+        share = np.bincount(surface.component, surface.face_area_mm2, count) / surface.area_mm2
+        cells = np.bincount(surface.component[self.features["cell"]["face"]], minlength=count)
+        small = (share >= _BODY) & (cells < LEAST_IN_ROWS)
+        if not small.any():
+            return ()
+        where = f"{small.sum()} of {count} bodies" if count > 1 else "the mesh"
+        return (
+            f"cell_shape box lays cells in rows, and {where} holds only {cells[small].max()} of them, too few for rows; "
+            f"it takes {LEAST_IN_ROWS} or more: lower cell_size",
+        )
 
     def at(self, samples: Samples) -> Layers:
         """Evaluate at samples.
