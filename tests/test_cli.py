@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -264,6 +265,31 @@ def test_inspect_says_what_a_mesh_is_and_what_a_bake_costs(tmp_path):
     assert "borders: 2" in text
     assert "4096 x 4096" in text
     assert "is the unit right?" in surftex("inspect", "tube.obj", "--units", "m", folder=tmp_path).stdout
+
+
+def test_inspect_says_what_a_bake_makes_of_own_uvs(tmp_path, capsys):
+    sheet = plane(30.0, 30.0, cells=6)
+    uv = 0.05 + 0.9 * sheet.corner_uv
+    small = uv.copy()
+    small[3] = small[3].mean(axis=0)
+    plans = {
+        "a bake keeps them": uv,
+        "72 of 72 faces are mirrored in the file's own UVs; they are baked so that they look right": uv
+        * [-1, 1]
+        + [1, 0],
+        "a bake unwraps anew: 1 of 72 faces have no area on the page; the first is face 3; --uv keep keeps them all the same, "
+        "with a warning": small,
+        "a bake unwraps anew: 100.0 % of the area is stretched more than 4 times; --uv keep is refused": uv
+        * [1, 0.2],
+    }
+    for says, own in plans.items():
+        write_obj(tmp_path / "sheet.obj", replace(sheet, corner_uv=own))
+        assert main(["inspect", str(tmp_path / "sheet.obj"), "--units", "m"]) == 0
+        printed = capsys.readouterr().out
+        assert f"  {says}" in printed
+        assert "unit of the file: metres" in printed
+    page = next(row for row in printed.splitlines() if "8192 x 8192" in row)
+    assert page.endswith(" MB, and 4,094 MB in temporary files")
 
 
 def test_own_uvs_are_kept_and_a_guess_of_the_unit_is_a_warning(tmp_path):

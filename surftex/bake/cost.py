@@ -44,8 +44,8 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
     -------
     cost : dict
         ``material``, ``cells``, ``max_features``, ``threads``, and ``pages``: for each ``resolution``
-        ``texels_per_mm``, ``texels_per_cell``, ``seconds`` of wall time, ``memory_mb``; ``warnings``: where its cells fit
-        neither the mesh nor the usual page.
+        ``texels_per_mm``, ``texels_per_cell``, ``seconds`` of wall time, ``memory_mb``, and ``disk_mb`` of pages that lie
+        in temporary files; ``warnings``: where its cells fit neither the mesh nor the usual page.
     """
     from surftex.bake.scales import size_warnings
     from surftex.materials.leather.model import Leather
@@ -62,6 +62,7 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
             "texels_per_cell": round(_density(surface, side) * size_mm, 3),
             "seconds": round(_START_S + _cpu_s(faces, cells, side) / (0.8 * threads + 0.2), 1),
             "memory_mb": _memory_mb(faces, cells, side),
+            "disk_mb": _disk_mb(side),
         }
         for side in (1024, 2048, 4096, 8192)
     ]
@@ -127,6 +128,12 @@ def _density(surface: Surface, side: int) -> float:
 def _cpu_s(faces: int, cells: int, side: int) -> float:
     work = {"face": faces, "cell": cells, "texel": side * side}
     return sum(_CPU_S_PER[key] * count for key, count in work.items())
+
+
+def _disk_mb(side: int) -> int:
+    """Size of the pages in temporary files: what they would take of the memory otherwise."""
+    bytes_per = _BYTES_PER["texel"] - _BYTES_PER["paged texel"]
+    return round(bytes_per * side * side / 1e6) if in_file((side, side)) else 0
 
 
 def _memory_mb(faces: int, cells: int, side: int) -> int:

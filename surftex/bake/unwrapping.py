@@ -12,6 +12,35 @@ from surftex.recipe.model import BakeSettings
 from surftex.surface.surface import Surface
 
 
+def own_uv_plan(surface: Surface, settings: BakeSettings) -> dict[str, Any] | None:
+    """Tell what a bake would do with the file's own UVs.
+
+    Parameters
+    ----------
+    surface : Surface
+        Any.
+    settings : BakeSettings
+        Size of the page, and whether it may have several tiles.
+
+    Returns
+    -------
+    plan : dict or None
+        None where there are none; ``auto``: "keep" or "unwrap", ``keep``: "keep" or "refuse", as ``--uv auto`` and
+        ``--uv keep`` would; ``why``: list of str, what speaks against them; ``mirrored``: what follows, or None.
+    """
+    from surftex.charts.gate import gate
+
+    if surface.corner_uv is None:
+        return None
+    report = gate(surface, Atlas.of(surface, surface.corner_uv), settings.resolution, udim=settings.udim)
+    return {
+        "auto": "keep" if report.passed else "unwrap",
+        "keep": "refuse" if report.problems else "keep",
+        "why": [*report.problems, *report.flaws],
+        "mirrored": report.mirrored(len(surface.faces)) if report.mirrored_faces else None,
+    }
+
+
 class Unwrapping:
     """An unwrap that may run beside other work; leave its ``with`` block to be rid of it.
 
@@ -86,6 +115,7 @@ class Unwrapping:
                     self.surface,
                     resolution=self.settings.resolution,
                     udim=self.settings.udim,
+                    insist=uv == "keep",
                     threads=self.threads,
                 )
             except InputError as problem:

@@ -2,7 +2,9 @@
 
 Inside 0 to 1; every face has area; nearly all of the surface (99.9 %) stretched at most 4 times and within 4
 times the mean density; no texel in two faces; free texels between charts; not next to nothing of the page.
-Mirrored charts may pass: artists draw them, and the tangents' sign takes care of them.
+Mirrored charts may pass: artists draw them, and the tangents' sign takes care of them. Who insists on his own UVs
+(``keep``) is refused only what would spoil the bake: overlaps, UVs off the page, a tenth of the area or more
+stretched, uneven or without texels; everything else becomes a warning with its figures.
 """
 
 from dataclasses import dataclass
@@ -22,6 +24,9 @@ from surftex.surface.surface import Surface
 
 AREA_SHARE = 0.999
 """Share of the area that the limits of stretch hold for."""
+
+GROSS_SHARE = 0.1
+"""Share of the area beyond the limits of stretch that nobody may insist on."""
 
 LEAST_COVERAGE = 1e-4
 """Share of the page that charts cover at least; less is a hundredth of its side."""
@@ -62,7 +67,9 @@ class GateReport:
     coverage : float
         Share of texels whose centre lies in a chart.
     problems : tuple of str
-        Why the unwrap cannot be used; empty if it can.
+        Why the unwrap cannot be used by anybody; empty if it can.
+    flaws : tuple of str
+        Why it is used only where somebody insists.
     """
 
     outside_faces: int
@@ -76,11 +83,30 @@ class GateReport:
     texels_per_mm: float
     coverage: float
     problems: tuple[str, ...]
+    flaws: tuple[str, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether a bake may use the unwrap."""
-        return not self.problems
+        """Whether a bake may use the unwrap without being told to."""
+        return not self.problems and not self.flaws
+
+    def mirrored(self, faces: int) -> str:
+        """Say what follows for mirrored faces.
+
+        Parameters
+        ----------
+        faces : int
+            Of the surface.
+
+        Returns
+        -------
+        text : str
+            How many there are, and that they come to no harm.
+        """
+        return (
+            f"{self.mirrored_faces} of {faces} faces are mirrored in the file's own UVs; they are baked so that they look "
+            "right, by the sign of their tangents"
+        )
 
 
 def gate(
@@ -127,7 +153,8 @@ def gate(
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = quality.density / mean
     uneven = float(area[~((ratio <= DENSITY_LIMIT) & (ratio >= 1 / DENSITY_LIMIT))].sum() / total)
-    problems = []
+    problems: list[str] = []
+    flaws: list[str] = []
     faces = len(uv)
     overlapping, gap, coverage = 0, np.inf, 0.0
     if outside.any():
@@ -140,18 +167,23 @@ def gate(
         else:
             odd, left = outside, "their tile" if udim else f"0..1{several}"
         problems.append(f"{odd.sum()} of {faces} faces leave {left}; the first is face {int(odd.argmax())}")
-    if flat.any() and area[flat].sum() > (1 - AREA_SHARE) * total:
-        problems.append(
-            f"{flat.sum()} of {faces} faces have no area on the page; the first is face {int(flat.argmax())}"
-        )
-    elif stretched > 1 - AREA_SHARE:
-        problems.append(
-            f"{100 * stretched:.1f} % of the area is stretched more than {ANISOTROPY_LIMIT:g} times"
-        )
-    elif uneven > 1 - AREA_SHARE:
-        problems.append(
-            f"{100 * uneven:.1f} % of the area is over {DENSITY_LIMIT:g} times denser or sparser than the rest"
-        )
+    for share, text in (
+        (
+            float(area[flat].sum() / total),
+            f"{flat.sum()} of {faces} faces have no area on the page; the first is face {int(flat.argmax())}",
+        ),
+        (
+            stretched,
+            f"{100 * stretched:.1f} % of the area is stretched more than {ANISOTROPY_LIMIT:g} times",
+        ),
+        (
+            uneven,
+            f"{100 * uneven:.1f} % of the area is over {DENSITY_LIMIT:g} times denser or sparser than the rest",
+        ),
+    ):
+        if share > 1 - AREA_SHARE:  # whatever is without area or stretched is uneven too: one of them is told
+            (problems if share > GROSS_SHARE else flaws).append(text)
+            break
     if not problems:
         measured, tiles = min(resolution, MEASURED_PX), atlas.tiles if udim else (1001,)
         for tile in tiles:
@@ -171,7 +203,7 @@ def gate(
                 f"{100 * LEAST_COVERAGE:g} % or more"
             )
         elif gap < gap_px and not overlapping:
-            problems.append(
+            flaws.append(
                 f"charts are only {gap:.1f} texels apart at {resolution} texels; a bake takes {gap_px:g}"
             )
     finite = quality.anisotropy[~flat]
@@ -187,11 +219,17 @@ def gate(
         texels_per_mm=atlas.texels_per_mm(surface, resolution),
         coverage=coverage,
         problems=tuple(problems),
+        flaws=tuple(flaws),
     )
 
 
 def keep_own(
-    surface: Surface, *, resolution: int = 2048, udim: bool = False, threads: int | None = None
+    surface: Surface,
+    *,
+    resolution: int = 2048,
+    udim: bool = False,
+    insist: bool = False,
+    threads: int | None = None,
 ) -> Atlas:
     """Use the file's own unwrap, if a bake can.
 
@@ -203,6 +241,8 @@ def keep_own(
         Side of the page in texels.
     udim : bool
         Whether it may have several pages.
+    insist : bool
+        Whether flaws that spoil no bake become notes.
     threads : int, optional
         None means every core.
 
@@ -220,15 +260,14 @@ def keep_own(
         raise InputError(f"{surface.name} has no UVs of its own; use --uv unwrap")
     atlas = Atlas.of(surface, surface.corner_uv)
     report = gate(surface, atlas, resolution, udim=udim, threads=threads)
-    if not report.passed:
+    if report.problems or (report.flaws and not insist):
+        what = "cannot be baked on" if report.problems else "are kept only with --uv keep"
         raise InputError(
-            f"the UVs of {surface.name} cannot be baked on: {'; '.join(report.problems)}. Use --uv unwrap"
+            f"the UVs of {surface.name} {what}: {'; '.join((*report.problems, *report.flaws))}. Use --uv unwrap"
         )
-    notes = []
+    notes = [f"the file's own UVs are kept as asked, though {flaw}" for flaw in report.flaws]
     if report.mirrored_faces:
-        notes.append(
-            f"{report.mirrored_faces} of {len(surface.faces)} faces are mirrored in the file's own UVs"
-        )
+        notes.append(report.mirrored(len(surface.faces)))
     wide = default_gutter(resolution)
     gutter = int(min(wide, max(2, report.gap_px // 2)))
     if gutter < wide:
@@ -255,7 +294,7 @@ def choose_atlas(
         What will be baked.
     uv : {"auto", "keep", "unwrap"}
         ``"auto"`` keeps own UVs that pass the gate, and else unwraps with a note that says why; ``"keep"``
-        insists.
+        insists: flaws become notes.
     method : {"auto", "xatlas", "uvunwrap"}
         Who unwraps.
     resolution : int
@@ -284,7 +323,7 @@ def choose_atlas(
     reason = ""
     if uv == "keep" or (uv == "auto" and surface.corner_uv is not None):
         try:
-            return keep_own(surface, resolution=resolution, threads=threads)
+            return keep_own(surface, resolution=resolution, insist=uv == "keep", threads=threads)
         except InputError as problem:
             if uv == "keep":
                 raise

@@ -5,6 +5,7 @@ from argparse import Namespace
 from typing import Any
 
 from surftex.cli.say import one_line, out
+from surftex.words import by_count
 
 
 def run(options: Namespace) -> None:
@@ -22,12 +23,15 @@ def run(options: Namespace) -> None:
     """
     from surftex.bake.cost import bake_cost
     from surftex.bake.scales import scale_report
+    from surftex.bake.unwrapping import own_uv_plan
     from surftex.files.meshes import load
+    from surftex.recipe.model import BakeSettings
     from surftex.recipe.read import recipe_for
     from surftex.surface.inspect import describe
 
     surface = load(options.subject, units=options.units, size=options.size, part=options.part)
     facts = describe(surface).as_dict()
+    facts["own_uv"]["plan"] = own_uv_plan(surface, BakeSettings())
     cost = bake_cost(surface)
     scales = scale_report(surface, recipe_for("skin"), recipe_for(cost["material"]))
     if options.json:
@@ -42,21 +46,25 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
     edges = ", ".join(f"{name} {length:.3g}" for name, length in facts["edge_length_mm"].items())
     borders = f"{facts['border_loops']} ({facts['border_length_mm']:.4g} mm)"
     rows = [
-        f"{facts['name']}: {facts['faces']:,} faces, {facts['vertices']:,} vertices, {size} mm",
-        f"unit of the file: {facts['mm_per_unit']:.6g} mm",
+        f"{facts['name']}: {by_count(facts['faces'], '{:,} face', '{:,} faces')}, "
+        f"{by_count(facts['vertices'], '{:,} vertex', '{:,} vertices')}, {size} mm",
+        f"unit of the file: {_unit(facts['mm_per_unit'])}",
         f"area: {facts['area_mm2']:,.6g} mm^2{volume}",
         f"components: {facts['components']} ({facts['closed_components']} closed); borders: {borders}; "
         f"genus: {facts['genus']}",
         f"edges: {edges} mm",
         f"smallest angle: {facts['smallest_angle_degrees']:.3g} degrees; slivers: {facts['slivers']:,}",
-        f"own UVs: {_own_uv(facts['own_uv'])}",
+        *_own_uv(facts["own_uv"]),
         f"own normals: {'yes' if facts['own_normals'] else 'no'}",
     ]
     rows += [
-        f"part {part['name']!r}: {part['faces']:,} faces, {part['area_mm2']:,.5g} mm^2"
+        f"part {part['name']!r}: {by_count(part['faces'], '{:,} face', '{:,} faces')}, {part['area_mm2']:,.5g} mm^2"
         for part in facts["parts"]
     ]
-    rows.append(f"a bake of {cost['material']}: about {cost['cells']:,} cells, on {cost['threads']} threads")
+    rows.append(
+        f"a bake of {cost['material']}: about {by_count(cost['cells'], '{:,} cell', '{:,} cells')}, "
+        f"on {by_count(cost['threads'], '{:,} thread', '{:,} threads')}"
+    )
     rows += [_page(page) for page in cost["pages"]]
     if cost["cells"] > cost["max_features"]:
         rows.append(f"  that is more than --max-features {cost['max_features']:,}: is the unit right?")
@@ -75,12 +83,38 @@ def _scales(scales: dict[str, Any]) -> list[str]:
 def _page(page: dict[str, Any]) -> str:
     side = f"{page['resolution']:>5} x {page['resolution']:<5}"
     density = f"{page['texels_per_mm']:8.3g} texels/mm {page['texels_per_cell']:8.3g} across a cell"
-    return f"  {side} {density}   about {page['seconds']:.0f} s, {page['memory_mb']:,.0f} MB"
+    disk = f", and {page['disk_mb']:,.0f} MB in temporary files" if page["disk_mb"] else ""
+    return f"  {side} {density}   about {page['seconds']:.0f} s, {page['memory_mb']:,.0f} MB{disk}"
 
 
-def _own_uv(facts: dict[str, Any]) -> str:
-    rest = (f"{key.replace('_', ' ')} {_short(value)}" for key, value in facts.items() if key != "state")
-    return "; ".join([str(facts["state"]), *rest])
+def _unit(mm_per_unit: float) -> str:
+    """Name a unit; what scales a mesh to a size has no name."""
+    from surftex.units import MM_PER_UNIT
+
+    names = {"um": "micrometres", "mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches"}
+    for unit, name in names.items():
+        if abs(mm_per_unit / MM_PER_UNIT[unit] - 1) < 1e-9:
+            return name
+    return f"{mm_per_unit:.6g} mm"
+
+
+def _own_uv(facts: dict[str, Any]) -> list[str]:
+    """Describe UVs, and what a bake makes of them."""
+    rest = (
+        f"{key.replace('_', ' ')} {_short(value)}"
+        for key, value in facts.items()
+        if key not in ("state", "plan")
+    )
+    rows = ["; ".join([f"own UVs: {facts['state']}", *rest])]
+    plan = facts["plan"]
+    if plan is None:
+        return rows
+    if plan["auto"] == "keep":
+        rows.append("  a bake keeps them")
+    else:
+        insist = "keeps them all the same, with a warning" if plan["keep"] == "keep" else "is refused"
+        rows.append(f"  a bake unwraps anew: {'; '.join(plan['why'])}; --uv keep {insist}")
+    return [*rows, *([f"  {plan['mirrored']}"] if plan["mirrored"] else [])]
 
 
 def _short(value: Any) -> str:

@@ -9,6 +9,7 @@ from surftex.files.scaling import mm_per_unit
 from surftex.surface.repair import extent, repair
 from surftex.surface.surface import Surface
 from surftex.surface.triangulate import triangulate
+from surftex.words import by_count
 
 _UV_ROUNDING = 1e-4
 
@@ -58,7 +59,13 @@ def surface_of(
     used = np.zeros(len(polygons.vertices), bool)
     used[polygons.corner] = True
     if not used.all():
-        warnings.append(f"{int((~used).sum())} vertices that no face uses were dropped")
+        warnings.append(
+            by_count(
+                int((~used).sum()),
+                "{} vertex that no face uses was dropped",
+                "{} vertices that no face uses were dropped",
+            )
+        )
     places = polygons.vertices[used]
     scale, notes = mm_per_unit(
         float(extent(places).max()), where, own=polygons.mm_per_unit, units=units, size=size

@@ -10,6 +10,7 @@ from surftex.errors import MeshFileError
 from surftex.files.gltfaccessor import Document
 from surftex.files.polygons import Polygons, check_face_count, starts_of
 from surftex.files.reading import printable
+from surftex.words import by_count
 
 _MODES = {
     0: "POINTS",
@@ -96,7 +97,13 @@ def unfolded(document: Document) -> Polygons:
         what = ", ".join(f"{count} of {mode}" for mode, count in pieces.skipped.items())
         warnings.append(f"primitives without triangles skipped: {what}")
     if pieces.skinned:
-        warnings.append(f"{pieces.skinned} skinned nodes are taken in their rest pose")
+        warnings.append(
+            by_count(
+                pieces.skinned,
+                "{} skinned node is taken in its rest pose",
+                "{} skinned nodes are taken in their rest pose",
+            )
+        )
     return _gathered(pieces, warnings)
 
 

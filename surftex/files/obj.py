@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import MeshFileError
-from surftex.files.polygons import Polygons, check_face_count, starts_of
+from surftex.files.polygons import Polygons, check_face_count, skipped_faces, starts_of
 from surftex.files.reading import printable
 from surftex.files.textlines import TextLines, columns
+from surftex.words import by_count
 
 _LABELS = {b"usemtl": "material", b"g": "group", b"o": "object"}
 
@@ -57,10 +58,7 @@ def read_obj(data: bytes, where: str) -> Polygons:
     painted = len(values) == 6 * len(vertices) and (np.diff(begin) == 6).all()
     few = text.tokens[face_lines] < 4
     if few.any():
-        warnings.append(
-            f"{int(few.sum())} faces of fewer than 3 corners skipped; "
-            f"the first in line {int(face_lines[few][0]) + 1}"
-        )
+        warnings.append(skipped_faces(int(few.sum())) + f"; the first in line {int(face_lines[few][0]) + 1}")
         face_lines = face_lines[~few]
         if len(face_lines) == 0:
             raise MeshFileError(
@@ -93,7 +91,8 @@ def _warn_of_libraries(text: TextLines, warnings: list[str]) -> None:
         outside += path.startswith("/") or ":" in path or ".." in path.split("/")
     if outside:
         warnings.append(
-            f"{outside} 'mtllib' lines name a path outside the file's folder; nothing is read there"
+            by_count(outside, "{} 'mtllib' line names", "{} 'mtllib' lines name")
+            + " a path outside the file's folder; nothing is read there"
         )
 
 

@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from surftex.errors import MeshFileError
-from surftex.files.polygons import Polygons, check_face_count, starts_of
+from surftex.files.polygons import Polygons, check_face_count, skipped_faces, starts_of
 from surftex.files.textlines import TextLines, columns
 
 _MAGIC = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF")
@@ -87,7 +87,7 @@ def read_off(data: bytes, where: str) -> Polygons:
     sizes = sizes.astype(np.int64)
     warnings = []
     if (sizes < 3).any():
-        warnings.append(f"{int((sizes < 3).sum())} faces of fewer than 3 corners skipped")
+        warnings.append(skipped_faces(int((sizes < 3).sum())))
     kept = sizes >= 3
     first, sizes, kept_lines = start[:-1][kept] + 1, sizes[kept], face_lines[kept]
     if len(sizes) == 0:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import MeshFileError
 from surftex.files.plyheader import Element, read_header
-from surftex.files.polygons import Polygons, check_face_count, starts_of
+from surftex.files.polygons import Polygons, check_face_count, skipped_faces, starts_of
 from surftex.files.reading import printable
 from surftex.files.textlines import parse_floats
 
@@ -236,7 +236,7 @@ def _assembled(vertex: dict[str, Any], face: dict[str, Any], where: str) -> Poly
     polygons = Polygons(vertices, start, corner, uv_sets, normals, warnings=warnings, attributes=attributes)
     if short.any():
         polygons = polygons.selected(~short)
-        warnings.append(f"{int(short.sum())} faces of fewer than 3 corners skipped")
+        warnings.append(skipped_faces(int(short.sum())))
         if short.all():
             raise MeshFileError(f"{where}: has no face of 3 corners or more")
     wrong = np.flatnonzero(~np.isfinite(vertices).all(axis=1))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import MeshFileError
+from surftex.words import by_count
 
 MOST_FACES = 20_000_000
 """Files that unfold to more polygons or triangles are refused."""
@@ -89,6 +90,24 @@ def starts_of(sizes: NDArray[np.integer]) -> NDArray[np.int64]:
         Sums of the lengths before.
     """
     return np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)]).astype(np.int64)
+
+
+def skipped_faces(count: int) -> str:
+    """Say how many faces of a file are none.
+
+    Parameters
+    ----------
+    count : int
+        Of those with one corner or two.
+
+    Returns
+    -------
+    warning : str
+        For the surface's warnings.
+    """
+    return by_count(
+        count, "{} face of fewer than 3 corners skipped", "{} faces of fewer than 3 corners skipped"
+    )
 
 
 def check_face_count(count: int, where: str) -> None:

@@ -6,6 +6,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from surftex.surface.glue import Glue
+from surftex.words import by_count
 
 
 def orient(
@@ -62,7 +63,9 @@ def orient(
             turned[strip] = _spread(count, one, other, against, strip)[strip]
             cut = against ^ turned[one] ^ turned[other]
             warnings.append(
-                f"{len(one_sided)} components have one side only (Moebius); {int(cut.sum())} edges were cut"
+                by_count(len(one_sided), "{} component has", "{} components have")
+                + " one side only (Moebius); "
+                + by_count(int(cut.sum()), "{} edge was cut", "{} edges were cut")
             )
             half_edge = pairs.first[cut]
             ends = np.concatenate([start[half_edge], faces[half_edge // 3, (half_edge + 1) % 3]])
@@ -74,11 +77,21 @@ def orient(
         minority = np.bincount(component, np.where(turned, area, -area), minlength=size) > 0
         turned ^= minority[component]
         if turned.any():
-            warnings.append(f"{int(turned.sum())} faces were wound against their neighbours and were turned")
+            warnings.append(
+                by_count(
+                    int(turned.sum()),
+                    "{} face was wound against its neighbours and was turned",
+                    "{} faces were wound against their neighbours and were turned",
+                )
+            )
     inside_out = _inside_out(vertices, faces, turned, component, one, area)
     if inside_out.any():
         warnings.append(
-            f"{int(inside_out.sum())} closed components were inside out and were turned to face outward"
+            by_count(
+                int(inside_out.sum()),
+                "{} closed component was inside out and was turned to face outward",
+                "{} closed components were inside out and were turned to face outward",
+            )
         )
         turned ^= inside_out[component]
     return turned, pairs, warnings

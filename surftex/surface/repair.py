@@ -16,6 +16,7 @@ from surftex.errors import SurfaceError
 from surftex.surface.glue import Glue, glue
 from surftex.surface.orient import orient
 from surftex.surface.weld import weld
+from surftex.words import by_count
 
 LARGEST = 1e100
 """Coordinates beyond this are refused: areas and volumes would overflow."""
@@ -118,20 +119,28 @@ def repair(
 
     keep = _solid(points, triangles)
     if not keep.all():
-        warnings.append(f"{int((~keep).sum())} degenerate faces dropped")
+        warnings.append(
+            by_count(int((~keep).sum()), "{} degenerate face dropped", "{} degenerate faces dropped")
+        )
         if not keep.any():
             raise SurfaceError("the mesh has no area: all of its faces are degenerate")
     source = np.flatnonzero(keep)
     unique = _first_copies(triangles[source])
     if len(unique) < len(source):
-        warnings.append(f"{len(source) - len(unique)} duplicate faces dropped")
+        warnings.append(
+            by_count(len(source) - len(unique), "{} duplicate face dropped", "{} duplicate faces dropped")
+        )
         source = source[unique]
     triangles, labels = triangles[source], labels[source]
 
     pairs = glue(points, triangles, file_faces[source], labels)
     if pairs.crowded_edges:
         warnings.append(
-            f"{pairs.crowded_edges} edges with more than two faces (non-manifold) were split into sheets"
+            by_count(
+                pairs.crowded_edges,
+                "{} edge with more than two faces (non-manifold) was split into sheets",
+                "{} edges with more than two faces (non-manifold) were split into sheets",
+            )
         )
     turned, pairs, notes = orient(points, triangles, pairs)
     warnings.extend(notes)
@@ -139,7 +148,13 @@ def repair(
     pairs = _turned(pairs, turned)
     triangles, kept, split = _vertices_of_fans(points, triangles, pairs)
     if split:
-        warnings.append(f"{split} vertices where sheets touch only at a point (non-manifold) were split")
+        warnings.append(
+            by_count(
+                split,
+                "{} vertex where sheets touch only at a point (non-manifold) was split",
+                "{} vertices where sheets touch only at a point (non-manifold) were split",
+            )
+        )
 
     count = len(file_faces)
     uv = None if corner_uv is None else _carried(corner_uv, "corner_uv", (count, 3, 2), source, turned)
@@ -305,7 +320,10 @@ def _sound_normals(
     missing = ~((length > 1e-12) & (length < 1e12)).all(axis=(1, 2))
     if missing.any():
         if not missing.all():
-            warnings.append(f"{int(missing.sum())} faces lack shading normals; smooth ones are used for all")
+            lack = by_count(
+                int(missing.sum()), "{} face lacks shading normals", "{} faces lack shading normals"
+            )
+            warnings.append(f"{lack}; smooth ones are used for all")
         return None
     normal = normal / length
     a, b, c = (points[triangles[:, k]] for k in range(3))
@@ -315,8 +333,12 @@ def _sound_normals(
         share = against.mean()
         if share > 0.01:
             warnings.append(
-                f"the shading normals of {int(against.sum())} faces point against them; "
-                "smooth ones are used for all"
+                by_count(
+                    int(against.sum()),
+                    "the shading normals of {} face point against it",
+                    "the shading normals of {} faces point against them",
+                )
+                + "; smooth ones are used for all"
             )
             return None
         unit = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), np.finfo(float).tiny)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import surftex as sx
 from surftex.charts.atlas import Atlas
 from surftex.charts.gate import choose_atlas, gate, keep_own
 from surftex.errors import InputError
@@ -31,21 +32,55 @@ FAILURES = {
     "charts cover 0 % of the page at 256 texels": lambda uv: uv * 1e-30,
     "charts cover 0.00[1-9]+ % of the page": lambda uv: uv * 0.008,
     "lie in several faces": lambda uv: np.where(halves(uv), uv - [0.3, 0], uv),
-    "texels apart at 256 texels": lambda uv: np.where(halves(uv), np.add(uv, [2.5 / SIDE, 0]), uv),
 }
 
 
 @pytest.mark.parametrize("reason", FAILURES)
 def test_what_cannot_be_baked_on_is_refused_by_name(reason):
     surface = with_uv(FAILURES[reason])
-    with pytest.raises(InputError, match=f"UVs of sheet cannot be baked on: .*{reason}.*Use --uv unwrap"):
-        keep_own(surface, resolution=SIDE)
+    for insist in (False, True):
+        with pytest.raises(InputError, match=f"UVs of sheet cannot be baked on: .*{reason}.*Use --uv unwrap"):
+            keep_own(surface, resolution=SIDE, insist=insist)
     with pytest.raises(InputError, match=reason):
         choose_atlas(surface, uv="keep", resolution=SIDE)
     anew = choose_atlas(surface, uv="auto", method="uvunwrap", resolution=SIDE)
     assert anew.unwrapper == "uvunwrap"
     assert anew.notes[0].startswith("unwrapped anew: the UVs of sheet cannot be baked on: ")
     assert gate(surface, anew, SIDE, gap_px=2 * anew.gutter_px).passed
+
+
+FLAWS = {
+    "charts are only 2.0 texels apart at 256 texels; a bake takes 3": lambda uv: np.where(
+        halves(uv), np.add(uv, [2.5 / SIDE, 0]), uv
+    ),
+    "1 of 128 faces have no area on the page; the first is face 9": lambda uv: shrunk(uv, 0.0),
+    "0.8 % of the area is stretched more than 4 times": lambda uv: shrunk(uv, [0.3, 0.03]),
+    "0.8 % of the area is over 4 times denser or sparser than the rest": lambda uv: shrunk(uv, 0.1),
+}
+
+
+def shrunk(uv, share):
+    """One face drawn in towards its middle."""
+    uv = uv.copy()
+    uv[9] = uv[9].mean(axis=0) + np.multiply(uv[9] - uv[9].mean(axis=0), share)
+    return uv
+
+
+@pytest.mark.parametrize("flaw", FLAWS)
+def test_who_insists_on_his_uvs_is_warned_of_flaws_with_their_figures(flaw):
+    surface = with_uv(FLAWS[flaw])
+    with pytest.raises(
+        InputError, match=f"UVs of sheet are kept only with --uv keep: {flaw}. Use --uv unwrap"
+    ):
+        keep_own(surface, resolution=SIDE)
+    atlas = choose_atlas(surface, uv="keep", resolution=SIDE)
+    assert atlas.unwrapper == "own"
+    assert atlas.notes[0] == f"the file's own UVs are kept as asked, though {flaw}"
+    anew = choose_atlas(surface, uv="auto", method="uvunwrap", resolution=SIDE)
+    assert anew.notes[0] == f"unwrapped anew: the UVs of sheet are kept only with --uv keep: {flaw}"
+    maps = sx.bake(surface, sx.Leather(cell_size=2.0), resolution=SIDE, uv="keep", maps="height,normal")
+    assert maps.report["warnings"][0] == atlas.notes[0]
+    assert all(np.isfinite(maps[name]).all() for name in maps)
 
 
 def test_usable_uvs_are_kept():

@@ -90,7 +90,7 @@ def test_an_odd_surface_is_described(case, tmp_path, capsys):
     code, out, said = told(["inspect", write(case, tmp_path)], capsys)
     assert (code, said) == (0, "")
     assert case.says in out
-    assert f"{case.faces:,} faces" in out
+    assert f"{case.faces:,} face" in out
 
 
 @pytest.mark.parametrize("case", TO_BAKE, ids=lambda case: ascii(case.name))

@@ -81,7 +81,7 @@ def test_each_closed_component_faces_outward_by_its_own_volume():
     vertices = np.concatenate([one.vertices, two.vertices + np.array([500, 0, 0])])
     faces = np.concatenate([one.faces, two.faces[:, ::-1] + len(one.vertices)])
     surface = surface_of(vertices, faces)
-    assert any("1 closed components were inside out" in line for line in surface.warnings)
+    assert any("1 closed component was inside out" in line for line in surface.warnings)
     for k in (0, 1):
         part = surface.faces[surface.component == k]
         a, b, c = (surface.vertices[part[:, i]] for i in range(3))
@@ -128,7 +128,7 @@ def test_normals_that_are_missing_or_contradict_are_left_out():
     missing[4] = np.nan
     mended = repair(ball.vertices, ball.faces, corner_normal=missing)
     assert mended.corner_normal is None
-    assert any("1 faces lack shading normals" in line for line in mended.warnings)
+    assert any("1 face lacks shading normals" in line for line in mended.warnings)
 
 
 def test_two_boxes_that_share_an_edge_come_apart_or_join_but_stay_closed():
@@ -155,7 +155,7 @@ def test_two_boxes_that_share_an_edge_come_apart_or_join_but_stay_closed():
     assert len(surface.faces) == 24
     assert surface.border_loops == 0
     assert outward(surface)
-    assert any("1 edges with more than two faces" in line for line in surface.warnings)
+    assert any("1 edge with more than two faces" in line for line in surface.warnings)
 
 
 def test_a_fan_of_a_thousand_faces_at_one_edge_is_split_into_sheets():
@@ -189,7 +189,7 @@ def test_a_moebius_strip_is_cut_and_nothing_is_lost():
     assert len(surface.faces) == 60
     assert surface.component.max() == 0
     assert surface.border_loops == 1
-    assert any("one side only" in line and "1 edges were cut" in line for line in surface.warnings)
+    assert any("one side only" in line and "1 edge was cut" in line for line in surface.warnings)
 
 
 def test_many_one_sided_strips_take_no_longer_than_one():
