@@ -52,19 +52,6 @@ def _queue(size: int) -> tuple[NDArray[Any], ...]:
     return np.zeros(size), np.zeros((size, 2), np.int32), np.zeros((size, 8)), np.zeros((size, 5), np.int32)
 
 
-def _side_by_side(surface: Surface, face: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Order of sources that keeps neighbours together (Morton's): what one has read of the mesh, the next finds at hand."""
-    low = surface.vertices.min(axis=0)
-    per_cell = 1023.0 / np.ptp(surface.vertices, axis=0).max()
-    cell = ((surface.vertices[surface.faces[face, 0]] - low) * per_cell).astype(np.int64)
-    number = np.arange(1024)
-    spread = np.zeros(1024, np.int64)
-    for bit in range(10):
-        spread |= (number >> bit & 1) << 3 * bit
-    key = spread[cell[:, 0]] | spread[cell[:, 1]] << 1 | spread[cell[:, 2]] << 2
-    return np.argsort(key, kind="stable")
-
-
 def flood_primitives(
     surface: Surface,
     start: NDArray[np.int64],
@@ -117,9 +104,11 @@ def flood_primitives(
     asked = np.ones(faces, bool) if wanted is None else checked(wanted, "wanted", (faces,), np.bool_)
     most = MOST_WINDOWS
     first_face = face[np.minimum(start[:-1], len(face) - 1)] if len(face) else np.zeros(count, np.int32)
-    order = frozen(_side_by_side(surface, first_face))
+    mesh = packed(surface)
+    # neighbours follow one another: what one has read of the mesh, the next finds at hand
+    order = frozen(np.argsort(mesh.place[first_face], kind="stable"))
     given = (order, frozen(start), read_only_view(face, np.int32), frozen(primitive), radius, most)
-    mesh = (*packed(surface), frozen(asked.astype(np.uint8)), bound)
+    faced = (*mesh[:-1], frozen(asked.astype(np.uint8)), bound)
     workers: list[_Worker] = []
 
     def work(first: int, last: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
@@ -128,7 +117,7 @@ def flood_primitives(
         full = -1
         while full:
             room = (*worker.marks, *worker.splits, worker.count, *worker.queue, *worker.rows)
-            first, full = flood(first, last, worker.stamp, *given, *mesh, *room)
+            first, full = flood(first, last, worker.stamp, *given, *faced, *room)
             worker.pass_stamps(count)
             if full == 1:
                 worker.longer_queue()

@@ -19,6 +19,9 @@ class PackedSurface(NamedTuple):
     fan_start: NDArray[np.int64]
     fan_corner: NDArray[np.int64]
 
+    place: NDArray[np.int32]
+    """(m,) of each face along a curve that keeps neighbours together (Morton's)."""
+
 
 _packed: WeakKeyDictionary[Surface, PackedSurface] = WeakKeyDictionary()
 
@@ -58,6 +61,19 @@ def packed(surface: Surface) -> PackedSurface:
         np.where(surface.vertex_angle > straight, np.where(surface.on_border, -1.0, 1.0), 0.0)
         * surface.vertex_angle
     )
-    result = PackedSurface(frozen(ids), frozen(shape), frozen(turning), fan_start, fan_corner)
+    result = PackedSurface(
+        frozen(ids), frozen(shape), frozen(turning), fan_start, fan_corner, _places(surface)
+    )
     _packed[surface] = result
     return result
+
+
+def _places(surface: Surface) -> NDArray[np.int32]:
+    low = surface.vertices.min(axis=0)
+    per_cell = 1023.0 / np.ptp(surface.vertices, axis=0).max()
+    cell = ((surface.vertices[surface.faces[:, 0]] - low) * per_cell).astype(np.int64)
+    number = np.arange(1024)
+    spread = np.zeros(1024, np.int64)
+    for bit in range(10):
+        spread |= (number >> bit & 1) << 3 * bit
+    return frozen((spread[cell[:, 0]] | spread[cell[:, 1]] << 1 | spread[cell[:, 2]] << 2).astype(np.int32))

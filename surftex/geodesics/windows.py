@@ -108,7 +108,7 @@ def flood_points(
 
 
 def buckets_for(surface: Surface, radius_mm: NDArray[np.float64]) -> Buckets:
-    """Choose cells as large as a radius, and no fewer than six sources to a cell.
+    """Choose cells a little larger than a radius, and no fewer than nine sources to a cell.
 
     Parameters
     ----------
@@ -125,7 +125,8 @@ def buckets_for(surface: Surface, radius_mm: NDArray[np.float64]) -> Buckets:
     finite = radius_mm[np.isfinite(radius_mm)]
     if not len(finite):
         return Buckets.of(surface)
-    return Buckets.of(surface, max(float(np.median(finite)), math.sqrt(6 * surface.area_mm2 / len(finite))))
+    radius, share = float(np.median(finite)), surface.area_mm2 / len(finite)
+    return Buckets.of(surface, max(1.25 * radius, math.sqrt(9 * share)))
 
 
 def nearest(
@@ -296,5 +297,5 @@ def checked_bound(bound_mm: NDArray[np.float64] | None, surface: Surface) -> NDA
 def _inside(surface: Surface, points: SurfacePoints) -> NDArray[np.float64]:
     """Places of the points in the frames of their faces, off every edge."""
     weights = np.maximum(points.barycentric, NUDGE)
-    weights = weights / weights.sum(axis=1, keepdims=True)
+    weights /= (weights[:, 0] + weights[:, 1] + weights[:, 2])[:, None]
     return np.einsum("pk,pki->pi", weights, surface.flat[points.face])
