@@ -47,6 +47,47 @@ def curve_table(surface: Surface, pieces: CurvePieces, **per_curve: ArrayLike) -
     return table
 
 
+def drawn(table: NDArray, name: str) -> NDArray[np.float64]:
+    """Width or depth that curves were drawn with.
+
+    Parameters
+    ----------
+    table : (p,) structured array
+        As `curve_table` writes it.
+    name : str
+        ``width_mm`` or ``depth_mm``.
+
+    Returns
+    -------
+    drawn : (p,) float64
+        Of each piece; 0 where it was not drawn with one.
+    """
+    return table[name] if name in (table.dtype.names or ()) else np.zeros(len(table))
+
+
+def with_drawn(table: NDArray, added: NDArray) -> NDArray:
+    """Put drawn curves behind others that take their width and depth from a material.
+
+    Parameters
+    ----------
+    table : (p,) structured array
+        As `curve_table` writes it, with or without ``width_mm`` and ``depth_mm``.
+    added : (q,) structured array
+        With both.
+
+    Returns
+    -------
+    table : (p + q,) structured array
+        With both, which are 0 where a curve was not drawn; the added curves are numbered after the others.
+    """
+    both = np.zeros(len(table) + len(added), np.dtype([*ROW.descr, ("width_mm", "f8"), ("depth_mm", "f8")]))
+    for name in both.dtype.names or ():
+        both[name][: len(table)] = table[name] if name in (table.dtype.names or ()) else 0.0
+        both[name][len(table) :] = added[name]
+    both["curve"][len(table) :] += int(table["curve"].max(initial=-1)) + 1
+    return both
+
+
 def curve_pieces(surface: Surface, table: NDArray) -> CurvePieces:
     """Read curves from rows of features.
 

@@ -12,6 +12,7 @@ from surftex.errors import RecipeError
 from surftex.features.uniform import area_points
 from surftex.fields.fieldset import FieldSet
 from surftex.files.meshes import load
+from surftex.files.strokes import Stroke, write_strokes
 from surftex.geodesics.directions import DirectionField
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
@@ -280,3 +281,40 @@ def test_a_bake_that_just_fits_is_given_back_within_the_same_bound():
 def test_cracks_across_everything_are_refused_before_they_run(invasion):
     with pytest.raises(RecipeError, match=r"leather.invasion makes cracks of 1e\+"):
         Leather(cell_size=3.0, invasion=invasion).place(sphere(20.0, subdivisions=3), 1)
+
+
+def test_drawn_wrinkles_have_their_own_width_and_depth(ball, tmp_path):
+    turn = np.linspace(0, 2 * np.pi, 40)
+    ring = np.stack([8 * np.cos(turn), 8 * np.sin(turn), 0 * turn], axis=1) - ball.origin_mm
+    write_strokes(tmp_path / "ring.json", ball, [Stroke(closest_points(ball, ring)[0])])
+    fields = {"ring": {"curves": str(tmp_path / "ring.json"), "width": 1.0, "depth": 0.4}}
+    layer = {
+        "material": "leather",
+        "cell_size": 1.0,
+        "wrinkle_count": 3,
+        "wrinkle_length": 5,
+        "grain_height": 0.0,
+    }
+    names = make_fields(sx.Recipe.model_validate({"fields": fields, "layer": [layer]}), ball)
+    leather = Leather(**{key: value for key, value in layer.items() if key != "material"})
+    plain = leather.place(ball, 5, fields=names)
+    lined = leather.model_copy(update={"wrinkle_curves": "ring"})
+    drawn = lined.place(ball, 5, fields=names)
+    table = drawn.features["wrinkle"]
+    assert len(np.unique(table["curve"])) == len(np.unique(plain.features["wrinkle"]["curve"])) + 1
+    assert set(table["width_mm"]) == {0.0, 1.0}
+    assert drawn.features["cell"].tobytes() == plain.features["cell"].tobytes()
+    samples = samples_on(ball)
+    sunk = plain.at(samples)["height_mm"] - drawn.at(samples)["height_mm"]
+    away = np.abs(samples.points.positions(ball)[:, 2] + ball.origin_mm[2])
+    assert 0.3 < sunk[away < 0.1].max() < 0.45
+    assert 0.05 < np.median(sunk[np.abs(away - 0.5) < 0.05]) < 0.1  # (1 - 1/2)^4 (4/2 + 1) 0.4 mm = 0.075 mm
+    np.testing.assert_allclose(sunk[away > 1.1], 0, atol=1e-6)
+    again = lined.place(ball, 5, fields=names, features=drawn.features)
+    assert again.at(samples)["height_mm"].tobytes() == drawn.at(samples)["height_mm"].tobytes()
+    with pytest.raises(
+        RecipeError, match=r"wrinkle_curves is 'ring', and the features hold no drawn wrinkle"
+    ):
+        lined.place(ball, 5, fields=names, features=plain.features)
+    with pytest.raises(RecipeError, match=r"leather\.wrinkle_curves: unknown curves 'rung'.*ring"):
+        leather.model_copy(update={"wrinkle_curves": "rung"}).place(ball, 5, fields=names)

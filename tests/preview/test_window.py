@@ -195,7 +195,7 @@ def test_a_stroke_is_one_step_and_goes_on_in_a_recipe_that_was_saved(window, tmp
     assert ((blue[..., 2] > 200) & (blue[..., 0] < 100)).sum() > 80
     drawn(desk, tool="lines")
     assert desk.worker.wait()
-    assert desk.message == "kept as 'drawn'; leather has no wrinkle_curves"
+    assert desk.session.recipe.layer[desk.layer].material.wrinkle_curves == "drawn"
     desk.do("undo")
     desk.do("set", "direction", "grain")
     desk.do("save", tmp_path / "made.toml")

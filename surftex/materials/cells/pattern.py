@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from surftex.arrays import frozen
 from surftex.features.cell_outlines import Outlines, outlined
 from surftex.features.cell_planes import CellPlanes, straight_bends
-from surftex.features.curves import curve_pieces
+from surftex.features.curves import curve_pieces, drawn
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
@@ -129,7 +129,7 @@ class CellsPattern:
         wrinkles = None
         if len(features.get("wrinkle", ())):
             pieces = curve_pieces(surface, features["wrinkle"])
-            width = max(cells.wrinkle_width, float(_drawn(features["wrinkle"], "width_mm").max()))
+            width = max(cells.wrinkle_width, float(drawn(features["wrinkle"], "width_mm").max()))
             buckets = Buckets.of(surface, width)
             wrinkles = flood_curves(surface, pieces, _FLOODED * width, buckets=buckets, threads=threads)
         return CellsPattern(
@@ -262,14 +262,9 @@ class CellsPattern:
         piece, distance, along, _ = nearest_curve(self.wrinkles, points, threads=1)
         table, own = self.features["wrinkle"], np.maximum(piece, 0)
         left = np.where(piece >= 0, wrinkle_left(self.cells, along, table["length_mm"][own]), 0)
-        width, depth = _drawn(table, "width_mm")[own], _drawn(table, "depth_mm")[own]
+        width, depth = drawn(table, "width_mm")[own], drawn(table, "depth_mm")[own]
         measured = (each.astype(np.float32) for each in (distance, left, width, depth))
         return WrinklePlace(*measured)
-
-
-def _drawn(table: NDArray, name: str) -> NDArray[np.float64]:
-    """Width or depth of each piece of wrinkles; 0 where it was not drawn with one."""
-    return table[name] if name in (table.dtype.names or ()) else np.zeros(len(table))
 
 
 def outline(cells: Cells, planes: CellPlanes, seed: int, threads: int | None) -> Outlines:

@@ -13,7 +13,7 @@ from surftex.features.cell_mesh import kept_apart, paired
 from surftex.features.cell_planes import CellPlanes, surface_cells
 from surftex.features.cell_walks import sides_of, walks
 from surftex.features.cells_surface import surface_triangles
-from surftex.features.curves import curve_table
+from surftex.features.curves import curve_table, with_drawn
 from surftex.features.growth_surface import SurfaceGround
 from surftex.features.near_logs import path_angles
 from surftex.features.particle_growth import Ground, Particles, grow, on_top
@@ -119,9 +119,7 @@ def place(
         if lines is None:
             lines = _wrinkles(cells, surface, seed, names, points, regions, threads)
         if cells.wrinkle_curves is not None:
-            drawn = names.curves(cells.wrinkle_curves).copy()
-            drawn["curve"] += int(lines["curve"].max(initial=-1)) + 1
-            lines = np.concatenate([lines, drawn.astype(lines.dtype)])
+            lines = with_drawn(lines, names.curves(cells.wrinkle_curves))
         if len(lines):
             made["wrinkle"] = lines
     else:

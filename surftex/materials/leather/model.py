@@ -83,6 +83,9 @@ class Leather(Checked):
     wrinkle_depth: Length = _field(0.05, "wrinkles", "Added to that of the furrow beneath.")
     wrinkle_width: Length = _field(0.3, "wrinkles", "From the middle of a wrinkle to its rim.")
     wrinkle_taper: Length = _field(0.0, "wrinkles", "Length over which a wrinkle runs out at its ends.")
+    wrinkle_curves: str | None = _field(
+        None, "wrinkles", "Curves of the recipe to draw as wrinkles, with their own width and depth."
+    )
     wrinkle_fold: Share = _field(0.0, "wrinkles", "How far one side of a wrinkle overhangs like a fold.")
 
     pocket_depth: Length = _field(0.0, "pockets", "Where three furrows meet.")
@@ -198,7 +201,7 @@ class Leather(Checked):
             Of each kind that there is, mm; cells whose size is an expression are left out.
         """
         sizes = {} if isinstance(self.cell_size, str) else {"cells": float(self.cell_size)}
-        if self.wrinkle_count or self.wrinkle_density:
+        if self.wrinkle_count or self.wrinkle_density or self.wrinkle_curves:
             sizes["wrinkles"] = 2 * self.wrinkle_width
         if self.pore_density != 0:
             sizes["pores"] = 2 * self.pore_width

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import RecipeError
-from surftex.features.curves import curve_pieces
+from surftex.features.curves import curve_pieces, drawn
 from surftex.fields.noise import Noise, several
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
@@ -41,8 +41,8 @@ _SWITCHES = frozenset({"sulcus_variation", "wrinkle_fold", "pocket_depth", "scal
 
 PLACING = (
     "cell_size", "size_variation", "cell_ratio", "direction", "cell_shape", "regularity", "invasion", "invasion_mode",
-    "stress", "wrinkle_count", "wrinkle_density", "wrinkle_length", "wrinkle_angle", "pore_density", "pore_group",
-    "pore_spread", "crown_spacing",
+    "stress", "wrinkle_count", "wrinkle_density", "wrinkle_length", "wrinkle_angle", "wrinkle_curves", "pore_density",
+    "pore_group", "pore_spread", "crown_spacing",
 )  # fmt: skip
 """Parameters that decide where elements are; so do `pocket_depth` and `scale_overlap`, by being zero or not."""
 
@@ -131,10 +131,13 @@ class LeatherPattern:
         curves, points = {}, {}
         for kind, width in (
             ("crack", leather.sulcus_width),
-            ("wrinkle", leather.wrinkle_width * (3 if leather.wrinkle_fold else 1)),
+            ("wrinkle", leather.wrinkle_width),
         ):
             if kind in features and len(features[kind]):
                 table = features[kind]
+                if kind == "wrinkle":
+                    width = max(width, float(drawn(table, "width_mm").max()))
+                    width *= 3 if leather.wrinkle_fold else 1
                 buckets = Buckets.of(surface, width)
                 curves[kind] = flood_curves(
                     surface, curve_pieces(surface, table), _FLOODED * width, buckets=buckets, threads=threads
@@ -219,6 +222,8 @@ class LeatherPattern:
             wrinkle_mm=wrinkle[0],
             wrinkle_share=wrinkle[1],
             wrinkle_side=wrinkle[2],
+            wrinkle_width_mm=wrinkle[3],
+            wrinkle_depth_mm=wrinkle[4],
             pocket_mm=self._nearest_point("pocket", points),
             pore_mm=self._nearest_point("pore", points),
             crown_mm=crown_mm,
@@ -319,13 +324,13 @@ class LeatherPattern:
             values |= zip(shown, several(tuple(shown.values()), position, footprint_mm), strict=True)
         return values
 
-    def _nearest_curve(self, kind: str, points: SurfacePoints) -> tuple[Any, Any, Any]:
-        """Distance, how much of the curve is left there, and its side; None where there are no such curves."""
+    def _nearest_curve(self, kind: str, points: SurfacePoints) -> tuple[Any, Any, Any, Any, Any]:
+        """Distance, how much of the curve is left there, its side, and what it was drawn with; None where there is none."""
         if kind not in self.curves:
-            return None, None, None
+            return None, None, None, None, None
         piece, distance, along, side = nearest_curve(self.curves[kind], points, threads=1)
-        table = self.features[kind]
-        length = table["length_mm"][np.maximum(piece, 0)]
+        table, own = self.features[kind], np.maximum(piece, 0)
+        length = table["length_mm"][own]
         if kind == "crack":
             left = 1 - along / length if self.leather.crack_taper else np.ones(len(points))
         elif self.leather.wrinkle_taper > 0:
@@ -333,7 +338,10 @@ class LeatherPattern:
         else:
             left = np.ones(len(points))
         share = smoothstep(0.0, 1.0, np.where(piece >= 0, left, 0).astype(np.float32))
-        return distance.astype(np.float32), share, side.astype(np.float32)
+        width = depth = None
+        if "width_mm" in (table.dtype.names or ()):
+            width, depth = (table[name][own].astype(np.float32) for name in ("width_mm", "depth_mm"))
+        return distance.astype(np.float32), share, side.astype(np.float32), width, depth
 
     def _nearest_point(self, kind: str, points: SurfacePoints) -> NDArray[np.float32] | None:
         if kind not in self.points:

@@ -30,6 +30,8 @@ class Skeleton:
         To the nearest crack, and how much of it is left there.
     wrinkle_mm, wrinkle_share, wrinkle_side : (n,) float32
         Likewise; the side is +1 or -1.
+    wrinkle_width_mm, wrinkle_depth_mm : (n,) float32
+        Those the nearest wrinkle was drawn with; 0 where it takes the leather's.
     pocket_mm, pore_mm, crown_mm, crown_scale : (n,) float32
         Distances; and the size of the nearest crown, 1 on average.
     grain, mottle : (n,) float32
@@ -45,6 +47,8 @@ class Skeleton:
     wrinkle_mm: Float | None
     wrinkle_share: Float | None
     wrinkle_side: Float | None
+    wrinkle_width_mm: Float | None
+    wrinkle_depth_mm: Float | None
     pocket_mm: Float | None
     pore_mm: Float | None
     crown_mm: Float | None
@@ -92,15 +96,19 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
     wrinkle: Part = np.float32(0)
     left, side = skeleton.wrinkle_share, skeleton.wrinkle_side
     if skeleton.wrinkle_mm is not None and left is not None and side is not None:
-        wrinkle = left * valley(skeleton.wrinkle_mm, leather.wrinkle_width, footprint_mm, dimension=1)
-        relief = relief - leather.wrinkle_depth * wrinkle
+        width: Float | float = leather.wrinkle_width
+        depth: Float | float = leather.wrinkle_depth
+        if skeleton.wrinkle_width_mm is not None and skeleton.wrinkle_depth_mm is not None:
+            own = skeleton.wrinkle_width_mm > 0
+            width = np.where(own, skeleton.wrinkle_width_mm, width).astype(np.float32)
+            depth = np.where(own, skeleton.wrinkle_depth_mm, depth).astype(np.float32)
+        wrinkle = left * valley(skeleton.wrinkle_mm, width, footprint_mm, dimension=1)
+        relief = relief - depth * wrinkle
         if leather.wrinkle_fold:
-            reach = 2 * leather.wrinkle_width
-            swell = valley(
-                np.abs(skeleton.wrinkle_mm - leather.wrinkle_width), reach, footprint_mm, dimension=1
-            )
-            near = smoothstep(0, leather.wrinkle_width, skeleton.wrinkle_mm)
-            lift = leather.wrinkle_fold * leather.wrinkle_depth * left
+            swell = valley(np.abs(skeleton.wrinkle_mm - width), 2 * width, footprint_mm, dimension=1)
+            passed = skeleton.wrinkle_mm / np.maximum(width, np.float32(1e-9))
+            near = smoothstep(0, 1, passed.astype(np.float32))
+            lift = leather.wrinkle_fold * depth * left
             relief = relief + lift * swell * near * (side > 0)
     if skeleton.pocket_mm is not None:
         relief = relief - leather.pocket_depth * valley(

@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import RecipeError
+from surftex.errors import RecipeError, naming
+from surftex.features.curves import with_drawn
 from surftex.features.poisson import Sites, expected_sites, poisson_disk
 from surftex.features.relax import relaxed
 from surftex.features.uniform import scatter
@@ -100,6 +101,10 @@ def place(
         features |= _on_the_graph(leather, surface, seed, names, sites, records, direction, threads)
     told(0.9)
     pores = _pores(leather, surface, seed, names, threads)
+    if leather.wrinkle_curves is not None:
+        with naming("leather.wrinkle_curves"):
+            curves = names.curves(leather.wrinkle_curves)
+        features["wrinkle"] = with_drawn(features.get("wrinkle", curves[:0]), curves)
     if len(pores):
         features["pore"] = point_table(pores)
     if leather.crown_spacing > 0:
@@ -142,6 +147,12 @@ def refuse_lacking(leather: Leather, surface: Surface, features: Mapping[str, ND
             raise RecipeError(
                 f"{key} is {getattr(leather, key):g}, and the features hold no {kind}; were they placed by another recipe?"
             )
+    lines = features.get("wrinkle")
+    if leather.wrinkle_curves is not None and (lines is None or "width_mm" not in (lines.dtype.names or ())):
+        raise RecipeError(
+            f"wrinkle_curves is {leather.wrinkle_curves!r}, and the features hold no drawn wrinkle; were they placed by "
+            "another recipe?"
+        )
 
 
 def refuse_too_many(
