@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from surftex.bake.stack import layer_seed
 from surftex.errors import SurftexError
 from surftex.kernels.pool import thread_count
 from surftex.paged import in_file
@@ -89,7 +90,8 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
     Yields
     ------
     cost : dict
-        ``faces``, ``cells``, ``seconds`` of CPU time, ``memory_mb``; or, of a mesh that cannot be read, ``problem``.
+        ``faces``, ``cells``, ``tiles``, ``seconds`` of CPU time, ``memory_mb``; or, where the mesh cannot be read, or
+        there would be too many features or tiles, ``problem`` and ``exit_code``.
     """
     from surftex.files.meshes import load
 
@@ -100,33 +102,63 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             try:
                 surface = load(mesh.path or "", units=mesh.units, size=mesh.size, part=mesh.part)
             except SurftexError as problem:
-                found = str(problem)
+                found = problem
             else:
-                found = len(surface.faces), surface.area_mm2
+                found = surface
             last = mesh
-        if isinstance(found, str):
-            yield {"problem": found}
+        try:
+            if isinstance(found, SurftexError):
+                raise found
+            tiles = _foreseen_tiles(recipe, found)
+            _refuse_too_many(recipe, found)
+        except SurftexError as problem:
+            yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
-        faces, area_mm2 = found
+        faces, area_mm2 = len(found.faces), found.area_mm2
         sizes = [getattr(layer.material, "cell_size", None) for layer in recipe.layer]
         cells = sum(
             max(1, round(_CELLS * area_mm2 / size**2)) for size in sizes if isinstance(size, (int, float))
         )
-        seconds = round(_START_S + _cpu_s(faces, cells, side), 1)
         yield {
             "faces": faces,
             "cells": cells,
-            "seconds": seconds,
-            "memory_mb": _memory_mb(faces, cells, side),
+            "tiles": tiles,
+            "seconds": round(_START_S + _cpu_s(faces, cells, side, tiles), 1),
+            "memory_mb": _memory_mb(faces, cells, side, tiles),
         }
+
+
+def _foreseen_tiles(recipe: Recipe, surface: Surface) -> int:
+    from surftex.charts.atlas import Atlas
+    from surftex.charts.unwrap import tiles_for
+
+    settings = recipe.bake
+    if settings.texels_per_mm is not None and settings.uv != "keep":
+        return tiles_for(surface, settings.texels_per_mm, settings.resolution)
+    own = settings.udim and settings.uv != "unwrap" and surface.corner_uv is not None
+    return len(Atlas.of(surface, surface.corner_uv).tiles) if own and surface.corner_uv is not None else 1
+
+
+def _refuse_too_many(recipe: Recipe, surface: Surface) -> None:
+    """Refuse what a layer by itself would refuse for the number of its features."""
+    from surftex.bake.fields import make_fields
+    from surftex.bake.locating import located
+
+    fields = make_fields(recipe, surface)
+    for i, layer in enumerate(recipe.layer):
+        refuse = getattr(layer.material, "refuse_too_many", None)
+        if refuse is not None:
+            with located(recipe, "layer", i, label="layer" if len(recipe.layer) == 1 else f"layer[{i + 1}]"):
+                seed = layer_seed(recipe.seed, i)
+                refuse(surface, seed, fields=fields, max_features=recipe.bake.max_features)
 
 
 def _density(surface: Surface, side: int) -> float:
     return side * (COVERAGE / surface.area_mm2) ** 0.5
 
 
-def _cpu_s(faces: int, cells: int, side: int) -> float:
-    work = {"face": faces, "cell": cells, "texel": side * side}
+def _cpu_s(faces: int, cells: int, side: int, tiles: int = 1) -> float:
+    work = {"face": faces, "cell": cells, "texel": side * side * tiles}
     return sum(_CPU_S_PER[key] * count for key, count in work.items())
 
 
@@ -136,7 +168,7 @@ def _disk_mb(side: int) -> int:
     return round(bytes_per * side * side / 1e6) if in_file((side, side)) else 0
 
 
-def _memory_mb(faces: int, cells: int, side: int) -> int:
+def _memory_mb(faces: int, cells: int, side: int, tiles: int = 1) -> int:
     from surftex.bake.pages import TILE_TEXELS
 
     texels = side * side
@@ -144,7 +176,7 @@ def _memory_mb(faces: int, cells: int, side: int) -> int:
         "face": faces,
         "face among cells": faces if cells else 0,
         "cell": cells,
-        "paged texel" if in_file((side, side)) else "texel": texels,
+        "paged texel" if in_file((side, side)) else "texel": texels * tiles,
         "tile texel": min(texels, TILE_TEXELS),
     }
     return round(_START_MB + sum(_BYTES_PER[key] * count for key, count in work.items()) / 1e6)

@@ -100,12 +100,7 @@ def unwrap(
         raise InputError(f"gutter_px is {gutter}; at {resolution} texels it takes 0 to {resolution // 4 - 1}")
     wanted = ("xatlas" if len(surface.faces) <= XATLAS_FACES else "uvunwrap") if method == "auto" else method
     if texels_per_mm is not None:
-        pages = surface.area_mm2 * texels_per_mm**2 / (PACKED_SHARE * resolution**2)
-        if pages > MOST_TILES:
-            raise InputError(
-                f"{texels_per_mm:g} texels per mm take about {pages:.0f} tiles of {resolution} x {resolution}; "
-                f"at most {MOST_TILES} are made: raise the resolution, or lower the density"
-            )
+        tiles_for(surface, texels_per_mm, resolution)
         if method == "xatlas":
             raise InputError("xatlas packs one page; let texels_per_mm be done by --unwrapper uvunwrap")
         wanted = "uvunwrap"
@@ -168,6 +163,37 @@ def unwrap(
     return Atlas.of(
         surface, packed, unwrapper=wanted, resolution=resolution, gutter_px=gutter, notes=tuple(notes)
     )
+
+
+def tiles_for(surface: Surface, texels_per_mm: float, resolution: int) -> int:
+    """Estimate how many tiles a density takes.
+
+    Parameters
+    ----------
+    surface : Surface
+        What would be unwrapped.
+    texels_per_mm : float
+        The density.
+    resolution : int
+        Side of a tile in texels.
+
+    Returns
+    -------
+    tiles : int
+        About so many.
+
+    Raises
+    ------
+    InputError
+        If they are more than `MOST_TILES`.
+    """
+    pages = surface.area_mm2 * texels_per_mm**2 / (PACKED_SHARE * resolution**2)
+    if pages > MOST_TILES:
+        raise InputError(
+            f"{texels_per_mm:g} texels per mm take about {pages:.0f} tiles of {resolution} x {resolution}; "
+            f"at most {MOST_TILES} are made: raise the resolution, or lower the density"
+        )
+    return max(1, int(np.ceil(pages)))
 
 
 def default_gutter(resolution: int) -> int:

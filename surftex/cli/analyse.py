@@ -2,12 +2,13 @@
 
 import json
 from argparse import Namespace
+from typing import Any
 
 from surftex.cli.say import note, out
 
 
 def run(options: Namespace) -> None:
-    """Analyse a height map, and name the files that were written.
+    """Analyse a height map, name the files that were written, and print the main numbers.
 
     Parameters
     ----------
@@ -28,4 +29,21 @@ def run(options: Namespace) -> None:
     if options.json:
         out(json.dumps(result, indent=1, ensure_ascii=False))
     elif not options.quiet:
-        out("\n".join(map(str, result["files"])))
+        out("\n".join([*map(str, result["files"]), *_rows(result)]))
+
+
+def _rows(result: dict[str, Any]) -> list[str]:
+    """Tell the numbers that most ask for; the JSON has all."""
+    relief, ring, size = result["statistics"], result["ring"], result["size"]
+    rows = [
+        f"map: {size[0]} x {size[1]} texels of {result['mm_per_texel']:.4g} mm",
+        f"relief: rms {relief['rms']:.4g} mm about a mean of {relief['mean']:.4g} mm; 1 % to 99 % from {relief['p01']:.4g} to "
+        f"{relief['p99']:.4g} mm; skew {relief['skew']:.3g}",
+    ]
+    if ring["spacing_mm"] is None:
+        return [*rows, "spectrum: no wavelength stands out"]
+    return [
+        *rows,
+        f"spectrum: features repeat every {ring['spacing_mm']:.4g} mm ({ring['cycles_per_mm']:.4g} cycles per mm); ring "
+        f"{ring['axis_ratio']:.3g} times as long as wide, along {ring['long_axis_deg']:.0f} degrees",
+    ]

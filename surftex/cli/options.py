@@ -156,14 +156,23 @@ def _bake(parser: Parser) -> None:
     )
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="changes",
-        help='change a parameter, such as leather.cell_size="2 mm"; may be repeated',
+        help='change a parameter, such as leather.cell_size="2 mm" (a bare length is millimetres); may be repeated',
     )  # fmt: skip
     _scale(parser)
-    parser.add_argument("--uv", choices=["auto", "keep", "unwrap"], help="the file's own UVs (default: auto)")
+    parser.add_argument(
+        "--uv",
+        choices=["auto", "keep", "unwrap"],
+        help="the file's own UVs: keep them where they are good, keep them with a warning of their flaws, or unwrap anew "
+        "(default: auto)",
+    )
     parser.add_argument(
         "--unwrapper", choices=["auto", "xatlas", "uvunwrap"], help="who unwraps (default: auto)"
     )
-    parser.add_argument("--features", metavar="FILE.npz", help="start from the features of an earlier bake")
+    parser.add_argument(
+        "--features",
+        metavar="FILE.npz",
+        help="start from the features of an earlier bake; it says with which seed, size and parameters",
+    )
     parser.add_argument(
         "--growth", metavar="FILE.npz", help="keep the growth of cells in this file, and go on from it"
     )
@@ -556,8 +565,14 @@ def _exchange(parser: Parser) -> None:
 
 
 def _scale(parser: Parser) -> None:
-    parser.add_argument("--units", choices=["mm", "cm", "m", "in"], help="unit of the file's coordinates")
-    parser.add_argument("--size", metavar="LENGTH", help='length of the longest side, such as "300 mm"')
+    parser.add_argument(
+        "--units", choices=["mm", "cm", "m", "in"], help="unit of the file's coordinates; --size overrules it"
+    )
+    parser.add_argument(
+        "--size",
+        metavar="LENGTH",
+        help='length of the longest side, such as "300 mm"; a bare number is millimetres',
+    )
     parser.add_argument("--part", metavar="NAME", help="only this material slot, group or node")
 
 

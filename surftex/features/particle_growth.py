@@ -197,6 +197,27 @@ class Neighbours:
     index: NDArray[np.int32]
 
 
+def refuse_births(expected: float, most: int) -> None:
+    """Refuse a growth that would not end.
+
+    Parameters
+    ----------
+    expected : float
+        Births, from `GrowthLaw.total_births`.
+    most : int
+        That are allowed.
+
+    Raises
+    ------
+    InputError
+        If more are to be expected.
+    """
+    if expected > most:
+        raise InputError(
+            f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, or raise --max-features"
+        )
+
+
 def grow(
     ground: Ground,
     law: GrowthLaw,
@@ -241,11 +262,7 @@ def grow(
     """
     from surftex.features.growth_law import STEP, STEPS
 
-    expected = law.total_births(ground.area)
-    if expected > most:
-        raise InputError(
-            f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, or raise --max-features"
-        )
+    refuse_births(law.total_births(ground.area), most)
     constants = np.array([2 * law.damping, law.attraction, law.rise, law.ceiling])
     particles = Particles.none() if start is None else start
     end = law.generations if until is None else min(until, law.generations)

@@ -59,7 +59,7 @@ def write_mesh(
     try:
         path.write_bytes(data)
     except OSError as problem:
-        raise WorkError(f"{path}: cannot write: {problem.strerror or problem}") from None
+        raise WorkError(f"{path.name}: cannot write: {problem.strerror or problem}") from None
 
 
 def _stl(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> bytes:

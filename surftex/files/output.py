@@ -227,6 +227,8 @@ def _told_in_a_line(folder: Path) -> Iterator[None]:
     """Turn failures of the disk into a WorkError."""
     try:
         yield
+    except WorkError as problem:  # of a file in it, told by its name alone
+        raise WorkError(f"{folder}: {problem}; nothing was left there") from None
     except SurftexError:
         raise
     except OSError as problem:

@@ -39,7 +39,7 @@ class Spectrum:
     def decibels(self) -> NDArray[np.float64]:
         """(h, w) ten times the logarithm of the density over its largest value."""
         top = max(float(self.density.max()), np.finfo(float).tiny)
-        return 10 * np.log10(np.maximum(self.density, 1e-30 * top) / top)
+        return 10 * np.log10(np.maximum(self.density / top, 1e-30))
 
 
 @dataclass(frozen=True)

@@ -406,6 +406,47 @@ def test_a_plan_tells_of_folders_that_the_batch_would_refuse(studio, capsys):
     assert capsys.readouterr().out.count("it is no folder") == 4
 
 
+REFUSALS = [
+    ("materials = ['calf']\nset = ['cell_size=1 um']", "mm^2 would hold about "),
+    ("materials = ['skin-tan']\nset = ['mole_count=9000000']", "skin.mole_count: up to 9"),
+    (
+        "materials = ['cells']\nset = ['cell_size=1 um']",
+        " particles would be born, more than the 5000000",
+    ),
+    ("materials = ['gravel']\nset = ['pixel_size=1 um']", " more than "),
+    ("materials = ['calf']\nudim = true\ntexels_per_mm = 900", "tiles of 64 x 64; at most 100 are made"),
+]
+
+
+@pytest.mark.parametrize(("lines", "says"), REFUSALS, ids=[lines.split("'")[1] for lines, _ in REFUSALS])
+def test_a_plan_foresees_what_is_too_many(studio, capsys, lines, says):
+    from surftex.bake.bake import run as bake_run
+    from surftex.cli import main
+
+    (studio / "jobs.toml").write_text(f"meshes = ['one.obj']\n{lines}\nresolution = 64\nunits = 'mm'\n")
+    assert main(["batch", str(studio / "jobs.toml"), "--dry-run"]) == 2
+    printed = capsys.readouterr().out
+    assert says in printed
+    with pytest.raises(InputError) as refused:
+        bake_run(load_batch(studio / "jobs.toml").jobs[0].recipe)
+    assert printed.splitlines()[0].endswith(str(refused.value))
+
+
+def test_a_plan_counts_tiles(studio, capsys):
+    from surftex.cli import main
+
+    costs = []
+    for density in ("", "udim = true\ntexels_per_mm = 9\n"):
+        (studio / "jobs.toml").write_text(
+            f"meshes = ['one.obj']\nmaterials = ['calf']\nresolution = 64\nunits = 'mm'\n{density}"
+        )
+        assert main(["batch", str(studio / "jobs.toml"), "--dry-run", "--json"]) == 0
+        costs.append(json.loads(capsys.readouterr().out)["jobs"][0])
+    assert costs[0]["tiles"] == 1
+    assert 30 < costs[1]["tiles"] < 50
+    assert costs[1]["memory_mb"] > costs[0]["memory_mb"]
+
+
 def test_an_interrupted_batch_says_what_is_done_and_reports_it(studio):
     def told(result, ended, total):
         if ended == 2:

@@ -136,3 +136,20 @@ def test_leather_of_long_sites_leaves_a_flattened_ring():
     assert 1.2 < ring.ratio < 1.6  # measured 1.34; long sites make cells only half as long
     assert abs(abs(ring.angle_deg) - 90) < 10
     assert ring.spacing_mm == pytest.approx(0.52, rel=0.1)
+
+
+def test_the_command_prints_the_main_numbers_after_the_files(tmp_path, capsys):
+    from surftex.cli import main
+
+    x = np.arange(200) * 0.05
+    height = np.tile(0.02 * np.sin(2 * np.pi * x / 1.0), (200, 1)).astype(np.float32)
+    write_exr(tmp_path / "h.exr", height)
+    assert main(["analyse", str(tmp_path / "h.exr"), "--mm-per-texel", "0.05"]) == 0
+    files, (size, relief, spectrum) = np.split(np.array(capsys.readouterr().out.splitlines()), [2])
+    assert [name.rpartition("_")[2] for name in files] == ["analysis.png", "analysis.json"]
+    assert size == "map: 200 x 200 texels of 0.05 mm"
+    assert relief.startswith("relief: rms 0.01414 mm about a mean of ")
+    assert spectrum.startswith("spectrum: features repeat every ")
+    write_exr(tmp_path / "flat.exr", np.zeros((64, 64), np.float32))
+    assert main(["analyse", str(tmp_path / "flat.exr"), "--mm-per-texel", "0.05"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "spectrum: no wavelength stands out"

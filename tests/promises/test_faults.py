@@ -5,6 +5,7 @@ Whatever happens, the output is whole or not there, what was there stays, and th
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -97,7 +98,11 @@ def most_bytes():
 
 
 def test_a_full_disk_is_a_line_and_nothing_is_left(folder):
-    refused(bake(folder, "--out", "out", before=most_bytes), 3, "cannot write: File too large")
+    process = bake(folder, "--out", "out", before=most_bytes)
+    refused(process, 3, "cannot write: File too large")
+    assert re.match(
+        r"surftex: out: ball[._a-z]+: cannot write: File too large; nothing was left there$", process.stderr
+    )
     assert [path.name for path in folder.iterdir()] == ["ball.obj"]
 
 

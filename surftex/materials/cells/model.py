@@ -251,6 +251,31 @@ class Cells(Checked):
 
         return {key: getattr(self, key) for key in Cells.model_fields if key not in KEPT}
 
+    def refuse_too_many(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
+    ) -> None:
+        """Refuse what `place` would refuse for its number alone; nothing is placed.
+
+        Parameters
+        ----------
+        surface : Surface
+            As for `place`.
+        seed : int
+            As for `place`.
+        fields : FieldSet, optional
+            As for `place`.
+        max_features : int
+            As for `place`.
+
+        Raises
+        ------
+        RecipeError
+            If there would be more; the message says how many, and what to change.
+        """
+        from surftex.materials.cells.skeleton import refuse_too_many
+
+        refuse_too_many(self, surface, fields, max_features)
+
     def place(
         self,
         surface: Surface,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import InputError, RecipeError
+from surftex.errors import InputError, RecipeError, naming
 from surftex.features.cell_mesh import kept_apart, paired
 from surftex.features.cell_planes import CellPlanes, surface_cells
 from surftex.features.cell_walks import sides_of, walks
@@ -16,7 +16,7 @@ from surftex.features.cells_surface import surface_triangles
 from surftex.features.curves import curve_table, with_drawn
 from surftex.features.growth_surface import SurfaceGround
 from surftex.features.near_logs import path_angles
-from surftex.features.particle_growth import Ground, Particles, grow, on_top
+from surftex.features.particle_growth import Ground, Particles, grow, on_top, refuse_births
 from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.paths import polyline, shortest_path
@@ -127,6 +127,30 @@ def place(
     if tick is not None:
         tick(1.0)
     return made
+
+
+def refuse_too_many(cells: Cells, surface: Surface, names: FieldSet | None, most: int) -> None:
+    """Refuse more particles than are allowed, before any is born.
+
+    Parameters
+    ----------
+    cells : Cells
+        What would grow.
+    surface : Surface
+        Where.
+    names : FieldSet, optional
+        Named numbers.
+    most : int
+        Particles.
+
+    Raises
+    ------
+    InputError
+        If there would be more.
+    """
+    size = _number(names or FieldSet(surface), cells.cell_size, "cell_size")
+    with naming("cells.cell_size"):
+        refuse_births(cells.law.total_births(SurfaceGround(surface, size).area), most)
 
 
 def ground_of(

@@ -81,15 +81,8 @@ def place(
     model = named_model(composite.model)
     if not isinstance(model, CompositeModel) and (composite.labels is not None or composite.age != 0):
         raise RecipeError("labels and age are for composites; this model is one texture")
-    expected = int(surface.area_mm2 / composite.pixel_size**2)
+    refuse_too_many(composite, model, surface, max_features)
     offset = asked_offsets(model.target)
-    most = min(max_features, MOST_WALKS // len(offset))
-    if expected > most:
-        least = float(np.sqrt(surface.area_mm2 / most))
-        raise RecipeError(
-            f"pixels of {composite.pixel_size:.4g} mm on {surface.area_mm2:.4g} mm^2 are {expected}, more than {most}; "
-            f"make pixel_size {1.02 * least:.3g} mm or more"
-        )
     lattices = _lattices(composite, surface, model, _directions(composite, surface, fields), threads)
     lattice = lattices[0]
     if features is not None:
@@ -111,6 +104,35 @@ def place(
         composite, lattice.image(columns), widths, {"pixel": _pixels(lattice, level, label)}, lattice,
         label if isinstance(model, CompositeModel) else None,
     )  # fmt: skip
+
+
+def refuse_too_many(composite: Composite, model: Texture, surface: Surface, most: int) -> None:
+    """Refuse more pixels than are allowed, before any is drawn.
+
+    Parameters
+    ----------
+    composite : Composite
+        What would be drawn.
+    model : TextureModel or CompositeModel
+        From `named_model`.
+    surface : Surface
+        Where.
+    most : int
+        Pixels; what walks between them would fill counts as well.
+
+    Raises
+    ------
+    RecipeError
+        If there would be more; the message says which size of pixels would do.
+    """
+    expected = int(surface.area_mm2 / composite.pixel_size**2)
+    most = min(most, MOST_WALKS // len(asked_offsets(model.target)))
+    if expected > most:
+        least = float(np.sqrt(surface.area_mm2 / most))
+        raise RecipeError(
+            f"pixels of {composite.pixel_size:.4g} mm on {surface.area_mm2:.4g} mm^2 are {expected}, more than {most}; "
+            f"make pixel_size {1.02 * least:.3g} mm or more"
+        )
 
 
 def _lattices(

@@ -224,6 +224,32 @@ class Leather(Checked):
             values[key] = "above 0" if getattr(self, key) else "0"
         return values
 
+    def refuse_too_many(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
+    ) -> None:
+        """Refuse what `place` would refuse for its number alone; nothing is placed.
+
+        Parameters
+        ----------
+        surface : Surface
+            As for `place`.
+        seed : int
+            As for `place`.
+        fields : FieldSet, optional
+            As for `place`.
+        max_features : int
+            As for `place`.
+
+        Raises
+        ------
+        RecipeError
+            If there would be more; the message says how many, and what to change.
+        """
+        from surftex.fields.fieldset import FieldSet
+        from surftex.materials.leather.skeleton import refuse_too_many
+
+        refuse_too_many(self, surface, seed, fields or FieldSet(surface), max_features)
+
     def place(
         self,
         surface: Surface,

@@ -325,6 +325,31 @@ class Skin(Checked):
 
         return {key: getattr(self, key) for key in Skin.model_fields if key not in KEPT}
 
+    def refuse_too_many(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
+    ) -> None:
+        """Refuse what `place` would refuse for its number alone; nothing is placed.
+
+        Parameters
+        ----------
+        surface : Surface
+            As for `place`.
+        seed : int
+            As for `place`.
+        fields : FieldSet, optional
+            As for `place`.
+        max_features : int
+            As for `place`.
+
+        Raises
+        ------
+        RecipeError
+            If there would be more; the message says how many, and what to change.
+        """
+        from surftex.materials.skin.placing import refuse_too_many
+
+        refuse_too_many(self, surface, max_features)
+
     def place(
         self,
         surface: Surface,

@@ -55,7 +55,7 @@ def place(
         By kind; each row has `face` and `barycentric`.
     """
     _check_order(skin)
-    _check_count(skin, surface, max_features)
+    refuse_too_many(skin, surface, max_features)
     told = tick or (lambda share: None)
     features: dict[str, NDArray] = {}
     for i, kind in enumerate(KINDS):
@@ -213,8 +213,23 @@ def _check_order(skin: Skin) -> None:
         )
 
 
-def _check_count(skin: Skin, surface: Surface, most: int) -> None:
-    """Refuse more features than are allowed, before any is placed."""
+def refuse_too_many(skin: Skin, surface: Surface, most: int) -> None:
+    """Refuse more features than are allowed, before any is placed.
+
+    Parameters
+    ----------
+    skin : Skin
+        What would be placed.
+    surface : Surface
+        Where.
+    most : int
+        Of all kinds together.
+
+    Raises
+    ------
+    RecipeError
+        If up to more would be placed; the message names the parameter.
+    """
     forks = sum((2 * FORKS) ** i for i in range(skin.vessel_branches + 1))
     each = {**dict.fromkeys(KINDS, (1.0, 1.0)), "vessel": (forks, forks / 1000), "wrinkle": (1.0, 1 / 1000)}
     expected = {
