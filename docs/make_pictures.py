@@ -17,6 +17,7 @@ import surftex as sx
 from surftex.files.meshes import load
 from surftex.preview.render import render
 from surftex.preview.sheet import contact_sheet
+from surftex.preview.studio import SoftBox, Studio
 from surftex.surface.closest import closest_points
 from surftex.surface.shapes import plane
 from surftex.surface.surface import Surface
@@ -40,6 +41,19 @@ LARGE_GOAT = {
     "sulcus_depth": "0.13 mm",
 }
 """Goat whose cells can be seen on a thing of half a metre."""
+
+
+SHOP = Studio(
+    (
+        SoftBox((-0.75, 0.95, 0.55), (0.55, 0.5), 0.9, (1.0, 0.97, 0.93), 5),
+        SoftBox((1.0, 0.3, 0.2), (0.2, 0.9), 0.3, (0.95, 0.97, 1.0), 4),
+        SoftBox((0.45, 0.55, -0.9), (0.35, 0.8), 0.85, (1.0, 1.0, 1.0), 4),
+    ),
+    above=0.24,
+    below=0.10,
+    exposure=1.05,
+)
+"""Softer than "studio", with more of a rim from behind."""
 
 
 class MissingMeshError(Exception):
@@ -183,17 +197,25 @@ def bellows():
 
 
 def front():
-    """The shipped shoe in calf, the shipped bag in ostrich, and the toe cap of the shoe near."""
-    size = (560, 480)
-    bag = sx.bake(
-        load(MESHES / "handbag.obj", units="mm"), sx.Leather.preset("ostrich"), resolution=4096, seed=7
+    """The shipped shoe as its recipe has it, calf, rubber and laces; where the foot bends, and the grain nearer still."""
+    maps = sx.bake(
+        load(MESHES / "shoe.obj", units="mm"), str(MESHES / "shoe_calf.toml"), resolution=4096, seed=7,
+        maps=("base_color", "roughness", "specular", "normal", "height"),
+    )  # fmt: skip
+    whole = render(maps, size=(900, 620), view=(40, 22), light=SHOP, zoom=1.05)
+    vamp, cap = np.array([0.0, 73.0, 57.0]), np.array([26.0, 52.0, 92.0])
+    near = render(maps, size=(484, 304), view=(18, 52), target=vamp, light=SHOP, zoom=4.2, floor=False)
+    grain = render(
+        maps,
+        size=(484, 304),
+        view=towards(maps.surface, cap - maps.surface.origin_mm),
+        target=cap,
+        light="raking",
+        zoom=12,
+        floor=False,
     )
-    mesh = load(MESHES / "shoe.obj", units="mm")
-    calf = sx.bake(mesh, sx.Leather.preset("calf"), resolution=4096, seed=7)
-    toe = np.array([0.0, 10.0, 100.0])
-    close = render(calf, size=size, view=towards(mesh, toe), target=toe, zoom=9.0, floor=False)
-    pictures = [render(calf, size=size), render(bag, size=size), close]
-    save(contact_sheet(pictures, ["calf", "ostrich", "calf, near"], columns=3), "front")
+    right = np.concatenate([near, np.full((12, 484, 3), 255, np.uint8), grain])
+    save(np.concatenate([whole, np.full((620, 12, 3), 255, np.uint8), right], axis=1), "front")
 
 
 def bags():

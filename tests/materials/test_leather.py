@@ -318,3 +318,15 @@ def test_drawn_wrinkles_have_their_own_width_and_depth(ball, tmp_path):
         lined.place(ball, 5, fields=names, features=plain.features)
     with pytest.raises(RecipeError, match=r"leather\.wrinkle_curves: unknown curves 'rung'.*ring"):
         leather.model_copy(update={"wrinkle_curves": "rung"}).place(ball, 5, fields=names)
+
+
+def test_creases_of_the_shipped_shoe_lie_on_its_upper(meshes):
+    recipe = load_recipe(meshes / "shoe_calf.toml")
+    surface = load(recipe.mesh.path, units=recipe.mesh.units)
+    names = make_fields(recipe, surface)
+    assert recipe.layer[0].material.wrinkle_curves == "creases"
+    table = names.curves("creases")
+    assert len(np.unique(table["curve"])) == 4
+    points = SurfacePoints(table["face"], table["barycentric"])
+    assert (names.scalar('part("upper")')(points) == 1).all()
+    assert all(names.scalar(layer.mask)(points).max() < 0.1 for layer in recipe.layer[1:])
