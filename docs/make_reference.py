@@ -13,12 +13,15 @@ from numpydoc.docscrape import ClassDoc, FunctionDoc
 from pydantic_core import PydanticUndefined
 
 import surftex as sx
+from surftex.charts.gate import AREA_SHARE, GAP_PX, GROSS_SHARE, LEAST_COVERAGE
+from surftex.charts.quality import ANISOTROPY_LIMIT, DENSITY_LIMIT
 from surftex.cli.options import make_parser
 from surftex.preview.controls import controls
-from surftex.recipe.layer import MATERIALS, material_class, plain_types
-from surftex.recipe.model import BakeSettings, MeshSettings
+from surftex.recipe.layer import MATERIALS, Layer, material_class, plain_types
+from surftex.recipe.model import BakeSettings, MeshSettings, Recipe
 
 HERE = Path(__file__).resolve().parent
+LENGTHS = ("size", "displaced_edge")
 MADE = "Written by `python -m docs.make_reference`; change the code, not this page.\n"
 
 
@@ -89,18 +92,84 @@ def materials():
         rows += ["", "Presets:", ""]
         rows += [f"- `{preset}`: {cell(caption)}" for preset, caption in model.presets().items()]
         rows.append("")
-    for title, model in (("[mesh]", MeshSettings), ("[bake]", BakeSettings)):
+    return "\n".join(rows)
+
+
+def taken(schema):
+    """What a key takes, from its JSON schema."""
+    if "anyOf" in schema:
+        return " or ".join(
+            dict.fromkeys(taken(each) for each in schema["anyOf"] if each.get("type") != "null")
+        )
+    if "enum" in schema:
+        return ", ".join(f"`{each}`" for each in schema["enum"])
+    names = {
+        "integer": "whole number",
+        "number": "number",
+        "boolean": "true or false",
+        "array": "list of text",
+        "string": "text",
+    }
+    words = [f"{sign} {schema[name]:g}" for name, sign in (("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"))
+             if name in schema]  # fmt: skip
+    return " ".join([names.get(schema.get("type"), ""), *words]).strip()
+
+
+def recipe():
+    """The tables of a recipe beside its fields."""
+    rows = ["# Tables of a recipe", "", MADE, "A recipe is TOML: two keys at the top, then tables."]
+    rows += ["A key that is not listed is a mistake, told with its line and the nearest name.", ""]
+    rows += [
+        'Lengths are text with a unit (`um`, `mm`, `cm`, `m`, `in`), such as `"0.9 mm"`; a bare number is millimetres.',
+        "",
+    ]
+    for title, model, left_out in (
+        ("At the top", Recipe, {"mesh", "bake", "fields_", "layer"}),
+        ("`[mesh]`", MeshSettings, set()),
+        ("`[bake]`", BakeSettings, set()),
+        ("`[[layer]]`", Layer, {"material"}),
+    ):
+        about = "" if model is Recipe else inspect.getdoc(model)
         rows += [
-            f"## `{title}`",
+            f"## {title}",
             "",
-            inspect.getdoc(model) or "",
+            about,
             "",
-            "| key | default | what it is |",
-            "| --- | --- | --- |",
+            "| key | default | takes | what it is |",
+            "| --- | --- | --- | --- |",
         ]
-        rows += [f"| `{key}` | {value(field.default)} | {cell(field.description or '')} |"
-                 for key, field in model.model_fields.items()]  # fmt: skip
+        if model is Layer:
+            kinds = ", ".join(f"`{name}`" for name in MATERIALS)
+            rows.append(f"| `material` |  | {kinds} | What the layer is of; that of the preset without it. |")
+        known = model.model_json_schema()["properties"]
+        for key, field in model.model_fields.items():
+            if key not in left_out:
+                takes = "length" if key in LENGTHS else cell(taken(known[key]))
+                rows.append(
+                    f"| `{key}` | {value(field.default)} | {takes} | {cell(field.description or '')} |"
+                )
         rows.append("")
+        if model is Layer:
+            rows += ["All other keys are [parameters of the material](reference-materials.md).", ""]
+    rows += [
+        "## `[fields]`",
+        "",
+        "Masks, directions and curves by name: [Fields of a recipe](recipe.md).",
+        "",
+    ]
+    stretch, density = f"{ANISOTROPY_LIMIT:g} times", f"{DENSITY_LIMIT:g} times"
+    rows += [
+        "## When own UVs are kept",
+        "",
+        f"`auto` keeps them where {100 * AREA_SHARE:g} % of the area is stretched at most {stretch}",
+        f"and at most {density} denser or sparser than the mean, no face leaves 0..1 (or its tile),",
+        f"no texel lies in two faces, charts are {GAP_PX} texels apart and cover {100 * LEAST_COVERAGE:g} % of the page;",
+        "else it unwraps anew and says why.",
+        f"`keep` refuses overlaps, UVs off the page, and more than {100 * GROSS_SHARE:g} % of the area beyond those limits",
+        "or without texels; everything else becomes a warning with its figures. Mirrored charts may pass.",
+        "`surftex inspect` says what a bake would do.",
+        "",
+    ]
     return "\n".join(rows)
 
 
@@ -200,6 +269,7 @@ PAGES = {
     "reference-materials.md": materials,
     "reference-commands.md": commands,
     "reference-python.md": python,
+    "reference-recipe.md": recipe,
 }
 
 

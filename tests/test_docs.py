@@ -17,7 +17,7 @@ PAGES = sorted(
         *(page for room in ("docs", "meshes", "notebooks") for page in (ROOT / room).glob("*.md")),
     ]
 )
-REFERENCE = ("reference-materials.md", "reference-commands.md", "reference-python.md")
+REFERENCE = ("reference-materials.md", "reference-commands.md", "reference-python.md", "reference-recipe.md")
 
 
 def prose(page):

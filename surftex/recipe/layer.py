@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Union, get_args, get_origin
 
 from pydantic import (
     BaseModel,
+    Field,
     SerializeAsAny,
     StrictFloat,
     StrictInt,
@@ -101,8 +102,13 @@ class Layer(Checked):
     """
 
     material: SerializeAsAny[BaseModel]
-    preset: StrictStr | None = None
-    mask: StrictFloat | StrictInt | StrictStr = 1.0
+    preset: StrictStr | None = Field(
+        default=None, description="Where the parameters start from; the table's own keys go before it."
+    )
+    mask: StrictFloat | StrictInt | StrictStr = Field(
+        default=1.0,
+        description="How much the layer covers, 0 to 1: a number, or an expression over the fields.",
+    )
 
     @model_validator(mode="before")
     @classmethod

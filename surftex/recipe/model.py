@@ -43,10 +43,12 @@ class MeshSettings(Checked):
         default=None, description="Relative to the recipe's folder, which it may not leave."
     )
     units: Literal["mm", "cm", "m", "in"] | None = Field(
-        default=None, description="Unit of the file's coordinates."
+        default=None,
+        description="Unit of the file's coordinates: without it metres for glTF, a plausible guess with a warning for others.",
     )
     size: PositiveMillimetres | None = Field(
-        default=None, description="Length that the longest side is scaled to."
+        default=None,
+        description='Length that the longest side is scaled to, such as "300 mm"; a bare number is mm. It overrules `units`.',
     )
     part: StrictStr | None = Field(
         default=None, description="A material slot, a face group or a node of the file."
@@ -60,15 +62,22 @@ def _map_list(value: Any) -> Any:
 class BakeSettings(Checked):
     """How the pages come out."""
 
-    resolution: Annotated[StrictInt, Field(ge=16, le=32768)] = 2048
+    resolution: Annotated[StrictInt, Field(ge=16, le=32768)] = Field(
+        default=2048, description="Side of the maps in texels."
+    )
     maps: Annotated[tuple[StrictStr, ...], BeforeValidator(_map_list)] | None = Field(
         default=None, description="What the materials make, if not given."
     )
     gutter: Annotated[StrictInt, Field(ge=0, le=256)] | None = Field(
         default=None, description="Free texels around each chart; chosen by the resolution if not given."
     )
-    unwrapper: Literal["auto", "xatlas", "uvunwrap"] = "auto"
-    uv: Literal["auto", "keep", "unwrap"] = "auto"
+    unwrapper: Literal["auto", "xatlas", "uvunwrap"] = Field(
+        default="auto", description="Who unwraps: xatlas small meshes, uvunwrap large ones."
+    )
+    uv: Literal["auto", "keep", "unwrap"] = Field(
+        default="auto",
+        description="The file's own UVs: `auto` keeps them where they pass the gate, `keep` insists, `unwrap` makes new ones.",
+    )
     equalise: StrictBool = Field(
         default=False, description="Even out what is left of seams by least squares."
     )
@@ -80,7 +89,9 @@ class BakeSettings(Checked):
         default=None, description="Density of a new unwrap over several tiles; one tile if not given."
     )
     displaced: StrictBool = Field(default=False, description="Write the displaced mesh as well.")
-    displaced_format: Literal["glb", "obj", "ply", "stl"] = "glb"
+    displaced_format: Literal["glb", "obj", "ply", "stl"] = Field(
+        default="glb", description="Of the displaced mesh."
+    )
     displaced_edge: PositiveMillimetres | None = Field(
         default=None, description="Longest edge of the displaced mesh; two texels if not given."
     )
@@ -91,7 +102,9 @@ class BakeSettings(Checked):
     usd_format: Literal["usda", "usdc", "usdz"] = Field(
         default="usda", description="Text, binary, or one file with the pictures inside."
     )
-    max_features: Annotated[StrictInt, Field(ge=1)] = 5_000_000
+    max_features: Annotated[StrictInt, Field(ge=1)] = Field(
+        default=5_000_000, description="A bake that would place more is refused, with the count."
+    )
 
     @property
     def exchange(self) -> dict[str, Any]:
@@ -128,7 +141,7 @@ class Recipe(Checked):
     """
 
     surftex: Literal[1] = Field(default=1, description="Version of the format.")
-    seed: StrictInt = 0
+    seed: StrictInt = Field(default=0, description="Of everything random.")
     mesh: MeshSettings = MeshSettings()
     bake: BakeSettings = BakeSettings()
     fields_: dict[str, FieldEntry] = Field(default_factory=dict, alias="fields")
