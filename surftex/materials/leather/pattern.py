@@ -170,10 +170,12 @@ class LeatherPattern:
         small = (share >= _BODY) & (cells < LEAST_IN_ROWS)
         if not small.any():
             return ()
-        where = f"{small.sum()} of {count} bodies" if count > 1 else "the mesh"
+        held = f"the mesh holds only {cells[0]}"
+        if count > 1:
+            held = f"{small.sum()} of {count} bodies hold no more than {cells[small].max()}"
         return (
-            f"cell_shape box lays cells in rows, and {where} holds only {cells[small].max()} of them, too few for rows; "
-            f"it takes {LEAST_IN_ROWS} or more: lower cell_size",
+            f"cell_shape box lays cells in rows, and {held} of them, too few for rows; it takes {LEAST_IN_ROWS} or more: "
+            "lower cell_size",
         )
 
     def at(self, samples: Samples) -> Layers:
