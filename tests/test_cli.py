@@ -288,6 +288,9 @@ def test_inspect_says_what_a_bake_makes_of_own_uvs(tmp_path, capsys):
         printed = capsys.readouterr().out
         assert f"  {says}" in printed
         assert "unit of the file: metres" in printed
+    write_obj(tmp_path / "sheet.obj", replace(sheet, corner_uv=(uv * [-1, 0.2] + [1, 0])))
+    assert main(["inspect", str(tmp_path / "sheet.obj"), "--units", "m"]) == 0
+    assert "are mirrored" not in capsys.readouterr().out  # nothing follows where none are kept
     page = next(row for row in printed.splitlines() if "8192 x 8192" in row)
     assert page.endswith(" MB, and 4,094 MB in temporary files")
 

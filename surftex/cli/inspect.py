@@ -114,7 +114,7 @@ def _own_uv(facts: dict[str, Any]) -> list[str]:
     else:
         insist = "keeps them all the same, with a warning" if plan["keep"] == "keep" else "is refused"
         rows.append(f"  a bake unwraps anew: {'; '.join(plan['why'])}; --uv keep {insist}")
-    return [*rows, *([f"  {plan['mirrored']}"] if plan["mirrored"] else [])]
+    return [*rows, *([f"  {plan['mirrored']}"] if plan["mirrored"] and plan["keep"] == "keep" else [])]
 
 
 def _short(value: Any) -> str:
