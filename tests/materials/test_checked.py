@@ -27,7 +27,7 @@ from surftex.recipe.model import BakeSettings, MeshSettings
         (lambda: sx.Recipe(layer=[{"preset": "calf", "cel_size": 1}]), "layer.cel_size: unknown key; did you mean cell_size?"),
         (lambda: BakeSettings(resolution=2), "BakeSettings.resolution: 2: should be greater than or equal to 16"),
         (lambda: BakeSettings(texels_per_mm=2), "BakeSettings: texels_per_mm spreads an unwrap over tiles"),
-        (lambda: MeshSettings(sise=2), "MeshSettings.sise: unknown key; did you mean size?"),
+        (lambda: MeshSettings(siize=2), "MeshSettings.siize: unknown key; did you mean size?"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_one_line_in_plain_words(make, says):
