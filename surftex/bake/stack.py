@@ -103,15 +103,22 @@ class Stack:
                 shape, BARE.get(channel, 0), np.int32 if channel == "region" else np.float32
             )
         for i, (pattern, mask) in enumerate(zip(self.patterns, self.masks, strict=True)):
-            with located(self.recipe, "layer", i, label=_label(self.recipe, i)):
-                layers = pattern.at(samples)
             with located(self.recipe, "layer", i, "mask", label=f"{_label(self.recipe, i)}.mask"):
                 cover = covering(mask, samples)
+            asked, rows = samples, None  # a layer is asked only where it covers something
+            if cover is not None and not cover.all():
+                rows = np.flatnonzero(cover)
+                asked, cover = samples.taken(rows), cover[rows]
+            if not len(asked):
+                continue
+            with located(self.recipe, "layer", i, label=_label(self.recipe, i)):
+                layers = pattern.at(asked)
             if told is not None and layers.clamped:
-                told({name: at if cover is None else at & (cover > 0) for name, at in layers.clamped.items()})
+                told({name: _spread(at, rows, np.zeros(count, bool)) for name, at in layers.clamped.items()})
             for channel in channels:
                 if channel in layers:
-                    values[channel] = laid_over(values[channel], layers[channel], cover)
+                    below = values[channel] if rows is None else values[channel][rows]
+                    values[channel] = _spread(laid_over(below, layers[channel], cover), rows, values[channel])
         return values
 
 
@@ -158,6 +165,15 @@ def laid_over(below: NDArray[Any], above: NDArray[Any], cover: NDArray[np.float3
         return np.where(cover >= 0.5, above, below)
     share = cover if below.ndim == 1 else cover[:, None]
     return below * (1 - share) + above * share
+
+
+def _spread(part: NDArray[Any], rows: NDArray[np.integer] | None, whole: NDArray[Any]) -> NDArray[Any]:
+    """Put what was found for some rows into a copy of the whole; `rows` is None for all."""
+    if rows is None:
+        return part
+    result = whole.astype(np.result_type(whole, part))
+    result[rows] = part
+    return result
 
 
 def place_stack(
