@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from surftex.bake.stages import Progress, Stages
 from surftex.errors import InputError, WorkError
 from surftex.kernels.pool import one_blas_thread
-from surftex.recipe.model import MeshSettings, Recipe
+from surftex.recipe.model import BakeSettings, MeshSettings, Recipe
 from surftex.recipe.read import load_recipe, recipe_for
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
     from surftex.bake.displacing import Baked
     from surftex.bake.growing import Growth
+    from surftex.charts.atlas import Atlas
     from surftex.maps.mapset import MapSet
 
 
@@ -236,6 +237,7 @@ def _bake(
         + unwrapping.notes
         + atlas.notes
         + fits
+        + _grey(settings, atlas)
         + stack.warnings
         + clamped_warnings(pages, stack)
     )
@@ -246,6 +248,12 @@ def _bake(
         report["cells"] = grown
     maps_made = MapSet(pages.images, surface, atlas, pages.tangents, stack.features, report)
     return Baked(maps_made, stack, recipe)
+
+
+def _grey(settings: BakeSettings, atlas: "Atlas") -> tuple[str, ...]:
+    if not (settings.displaced and settings.displaced_format == "glb" and len(atlas.tiles) > 1):
+        return ()
+    return ("the displaced GLB names no pictures, as they lie in several tiles: it is shown grey",)
 
 
 def _recipe_and_subject(subject: Any, material: Any) -> tuple[Any, Any]:

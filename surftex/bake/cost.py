@@ -133,7 +133,7 @@ def _foreseen_tiles(recipe: Recipe, surface: Surface) -> int:
     from surftex.charts.unwrap import tiles_for
 
     settings = recipe.bake
-    if settings.texels_per_mm is not None and settings.uv != "keep":
+    if settings.texels_per_mm is not None:
         return tiles_for(surface, settings.texels_per_mm, settings.resolution)
     own = settings.udim and settings.uv != "unwrap" and surface.corner_uv is not None
     return len(Atlas.of(surface, surface.corner_uv).tiles) if own and surface.corner_uv is not None else 1

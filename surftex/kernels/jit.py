@@ -41,12 +41,14 @@ class _Cache(FunctionCache):
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
-        impl: Any = self._impl
-        self._cache_file = IndexDataCacheFile(
-            cache_path=self._cache_path,
-            filename_base=impl.filename_base,
-            source_stamp=source_stamp(Path(function.__code__.co_filename)),
-        )
+        source = Path(function.__code__.co_filename)
+        if source.is_file():  # the cell of a notebook has a stamp of its own
+            impl: Any = self._impl
+            self._cache_file = IndexDataCacheFile(
+                cache_path=self._cache_path,
+                filename_base=impl.filename_base,
+                source_stamp=source_stamp(source),
+            )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Load what was compiled for a signature; None where there is nothing, or it is damaged."""

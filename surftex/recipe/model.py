@@ -115,6 +115,8 @@ class BakeSettings(Checked):
     def _fits_tiles(self) -> "BakeSettings":
         if self.texels_per_mm is not None and not self.udim:
             raise ValueError("texels_per_mm spreads an unwrap over tiles; it takes udim = true (--udim)")
+        if self.texels_per_mm is not None and self.uv == "keep":
+            raise ValueError("texels_per_mm is the density of a new unwrap; leave it out where uv is keep")
         if self.udim and self.equalise:
             raise ValueError("equalise works on one page; leave it out where udim is true")
         if self.udim and self.usd and self.usd_format == "usdz":

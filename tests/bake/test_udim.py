@@ -139,6 +139,13 @@ def test_an_unwrap_is_spread_at_the_density_asked_for(tmp_path):
     assert set(maps.file_names) - {"report.json"} == set(listed)
 
 
+@pytest.mark.parametrize(("texels_per_mm", "grey"), [(4.0, True), (None, False)])
+def test_a_displaced_mesh_without_pictures_is_told(texels_per_mm, grey):
+    recipe = Recipe.of(LEATHER, udim=True, texels_per_mm=texels_per_mm, displaced=True)
+    warnings = bake(sphere(20.0, subdivisions=2), recipe, resolution=128, maps=("height",)).report["warnings"]
+    assert any("names no pictures" in each for each in warnings) == grey
+
+
 def at_points_one(maps, surface):
     points = scatter(surface, stream(5, "points"), count=3000)
     uv = np.einsum("nk,nkc->nc", points.barycentric, maps.atlas.corner_uv[points.face])
@@ -148,6 +155,8 @@ def at_points_one(maps, surface):
 def test_densities_that_cannot_be_are_refused():
     with pytest.raises(RecipeError, match="takes udim = true"):
         Recipe.of(LEATHER, texels_per_mm=4.0)
+    with pytest.raises(RecipeError, match="density of a new unwrap"):
+        Recipe.of(LEATHER, udim=True, texels_per_mm=4.0, uv="keep")
     with pytest.raises(InputError, match="at most 100 are made"):
         bake(sphere(20.0, subdivisions=2), Recipe.of(LEATHER, udim=True, texels_per_mm=400.0), resolution=64)
 
