@@ -9,9 +9,9 @@ from scipy.spatial import Voronoi, cKDTree
 
 from surftex.arrays import frozen
 from surftex.features.uniform import area_points
-from surftex.kernels.exponential import exponential
+from surftex.kernels.exponential import exponential, logarithm_of_sum
 from surftex.kernels.jit import kernel
-from surftex.kernels.plates import plates
+from surftex.kernels.plates import BLOCK, MOST, PAIRS, ROWS, plates
 from surftex.materials.leather.cells import _both_ways
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
@@ -45,8 +45,8 @@ def run(places, samples, *, k=5, exponent=6.0, rounding=0.0, wave=0.0, blend=0.0
     key = stream(3, "borders").key
     plates(site.astype(np.int32), distance, frozen(start), frozen(other), frozen(apart.ravel()),
            frozen(np.column_stack([places, np.zeros(len(places))])), shift, *waves, int(np.isinf(exponent)),
-           rounding, np.uint64(key), blend, np.zeros(k), np.zeros(k), np.zeros(4, np.int32), np.zeros(4),
-           own, ratio, border, own_mm, furrow)  # fmt: skip
+           rounding, np.uint64(key), blend, np.zeros(ROWS * BLOCK), np.zeros(MOST * BLOCK, np.int64),
+           np.full(PAIRS, -1), np.zeros(PAIRS), own, ratio, border, own_mm, furrow)  # fmt: skip
     twin = [] if not compare else [
         plate(site[i], distance[i], apart, shift, np.array([waves[0][i], waves[1][i]], float), exponent, rounding, key,
               blend or 1.0)
@@ -145,6 +145,36 @@ def test_exponential_is_that_of_the_library():
     exponentials(x, result)
     np.testing.assert_allclose(result, np.exp(np.clip(x, -86, 86)), rtol=2e-12)
     assert result[20_001] == 1.0
+
+
+@kernel
+def logarithms(x, result):
+    for i in range(len(x)):
+        result[i] = logarithm_of_sum(x[i])
+
+
+def test_logarithm_is_that_of_the_library():
+    x = np.linspace(1, 16, 20_001)
+    result = np.zeros(len(x))
+    logarithms(x, result)
+    np.testing.assert_allclose(result, np.log(x), atol=1e-12)
+    assert result[0] == 0.0
+
+
+def test_samples_are_located_alike_alone_and_in_blocks():
+    samples = np.random.default_rng(11).uniform(1, 9, (BLOCK + 37, 2))
+    places = plane_sites(2)
+    whole, _ = run(places, samples, rounding=0.05, blend=0.15)
+    part, _ = run(places, samples[BLOCK - 3 :], rounding=0.05, blend=0.15)
+    for all_of_them, some in zip(whole, part, strict=True):
+        np.testing.assert_array_equal(all_of_them[BLOCK - 3 :], some)
+    few, twin = run(places, samples[:40], k=2, rounding=0.05, blend=0.15, compare=True)
+    for have, want in zip(few, map(np.array, zip(*twin, strict=True)), strict=True):
+        np.testing.assert_allclose(have, want, atol=2e-6)
+    one, _ = run(places, samples[:40], k=[1], blend=0.15)
+    assert (one[1] == 0).all()
+    assert np.isinf(one[2]).all()
+    assert (one[4] == 0.5).all()
 
 
 def test_pairs_of_neighbours_are_the_same_from_both_ends():

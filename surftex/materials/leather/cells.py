@@ -32,9 +32,6 @@ _BOX_EXPONENT = 5.0
 _WAVED = 1.5
 """Sizes in medians beyond which borders waver no farther: the noise has one wavelength, and would bite into large cells."""
 
-_KEPT = 16
-"""Distances between sites that are kept at hand from sample to sample."""
-
 
 @dataclass(frozen=True, eq=False)
 class Plates:
@@ -160,7 +157,7 @@ class Cells:
         plates : Plates
             Of the n samples.
         """
-        from surftex.kernels.plates import nearest_plates, plates
+        from surftex.kernels.plates import BLOCK, MOST, PAIRS, ROWS, nearest_plates, plates
 
         n, most = len(points), self.neighbours
         own, ratio, border = np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32)
@@ -170,13 +167,14 @@ class Cells:
             self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
             int(leather.crista_shape == "polygon"),
             leather.rounding * size, np.uint64(self.key), 0.15 * size * (leather.sulcus_variation > 0),
-            np.zeros(most), np.zeros(most), np.zeros(_KEPT, np.int32), np.zeros(_KEPT),
+            np.zeros(ROWS * BLOCK), np.zeros(MOST * BLOCK, np.int64), np.full(PAIRS, -1), np.zeros(PAIRS),
             own, ratio, border, own_mm, furrow,
         )  # fmt: skip
         if self.shape == "round" and leather.scale_overlap == 0:
             points.check_on(self.records.surface)
             records = self.records
-            scratch = np.zeros(most, np.int32), np.zeros(most), np.zeros(most, np.int32)
+            shape = BLOCK, most
+            scratch = np.zeros(shape, np.int32), np.zeros(shape), np.zeros(shape, np.int32)
             nearest_plates(
                 *where(records, points), records.row, records.row_id, records.source_of, records.limit_mm,
                 *scratch, *located,
