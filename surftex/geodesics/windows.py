@@ -157,7 +157,7 @@ def nearest(
         Only with `vectors`: the log map of the point at the source, in the frame of the source's face, along the shortest path;
         0 where there is none.
     """
-    from surftex.kernels.gather import log_map, nearest_sources
+    from surftex.kernels.gather import LANE, RANK, log_map, nearest_sources
 
     if k < 1:
         raise InputError(f"k is {k}; ask for at least 1 nearest source")
@@ -171,8 +171,9 @@ def nearest(
 
     def work(begin: int, end: int) -> None:
         nearest_sources(
-            begin, end, *place, *what, records.source_of, records.limit_mm, source, distance, found
-        )
+            begin, end, *place, *what, records.source_of, records.limit_mm, np.zeros(LANE), np.zeros(RANK, np.int64),
+            source, distance, found,
+        )  # fmt: skip
         if vector is not None:
             log_map(begin, end, *place[:3], *what, distance, found, vector)
 

@@ -9,9 +9,8 @@ import math
 
 import numpy as np
 
-from surftex.kernels.buckets import bucket_of
 from surftex.kernels.exponential import exponential, logarithm_of_sum
-from surftex.kernels.gather import nearest_few, room_left
+from surftex.kernels.gather import nearest_on_face
 from surftex.kernels.jit import kernel, part
 from surftex.kernels.pairs import place_in_row
 from surftex.kernels.random import uniform
@@ -233,35 +232,23 @@ def plates(
 @kernel
 def nearest_plates(
     face, barycentric, flat, first, cells, grid, entry_start, entry_row, entry_least, row, row_id, source_of, limit,
-    site, distance, found, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm, key, blend_mm,
+    lane, rank, site, distance, found, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm, key, blend_mm,
     block, who, pair, pair_mm, own, ratio, border_mm, own_mm, furrow,
 ):  # fmt: skip
     """Find the nearest sites of samples as `nearest_sources` does, and locate them as `plates` does, in one pass.
 
-    site (BLOCK, k) int32, distance (BLOCK, k) float64, found (BLOCK, k) int32: scratch.
+    lane (LANE,) float64, rank (RANK,) int64, site (BLOCK, k) int32, distance (BLOCK, k) float64, found (BLOCK, k) int32:
+    scratch.
     """
-    k = site.shape[1]
-    last_bucket, last_x, last_y, last_worst, room = np.int64(-1), 0.0, 0.0, math.inf, 0.0
     for begin in range(0, len(own), BLOCK):
         n = min(BLOCK, len(own) - begin)
-        for t in range(n):
-            i = begin + t
-            f = face[i]
-            x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
-            y = barycentric[i, 2] * flat[f, 2, 1]
-            bucket = bucket_of(f, x, y, first, cells, grid)
-            bound = math.inf
-            if bucket == last_bucket:
-                step = math.sqrt((x - last_x) ** 2 + (y - last_y) ** 2)
-                if step < room:
-                    bound = (last_worst + step) * (1.0 + 1e-9)
-            nearest_few(
-                x, y, bucket, bound, entry_start, entry_row, entry_least, row, row_id, source_of, limit, site[t],
-                distance[t], found[t],
+        at = begin
+        while at < begin + n:
+            at = nearest_on_face(
+                at, begin + n, at - begin, face, barycentric, flat, first, cells, grid, entry_start, entry_row,
+                entry_least, row, row_id, source_of, limit, lane, rank, site, distance, found,
             )  # fmt: skip
-            last_bucket, last_x, last_y, last_worst = bucket, x, y, distance[t, k - 1]
-            room = room_left(row_id, limit, distance[t], found[t])
         _locate(
-            begin, n, k, site, distance, 0, start, other, length, place, shift, wave_a, wave_b, polygon, rounding_mm,
-            key, blend_mm, block, who, pair, pair_mm, own, ratio, border_mm, own_mm, furrow,
+            begin, n, site.shape[1], site, distance, 0, start, other, length, place, shift, wave_a, wave_b, polygon,
+            rounding_mm, key, blend_mm, block, who, pair, pair_mm, own, ratio, border_mm, own_mm, furrow,
         )  # fmt: skip

@@ -65,6 +65,25 @@ def test_the_sample_before_changes_no_answer(shape, k, spread):
         assert np.isinf(every[1][i, len(listed) :]).all()
 
 
+def test_of_sources_equally_far_the_lower_number_comes_first():
+    shape = plane(10.0, cells=4)
+    at = shape.vertices[shape.faces].mean(axis=1)
+    sources = SurfacePoints(np.arange(len(shape.faces)), np.full((len(shape.faces), 3), 1 / 3))
+    records = flood_points(shape, sources, 6.0)
+    face = np.repeat(np.arange(len(shape.faces)), 40)
+    share = np.random.default_rng(5).integers(0, 5, (len(face), 1)) / 4
+    points = SurfacePoints(face, np.concatenate([0.5 * share, 0.5 * share, 1 - share], axis=1))
+    source, distance = nearest(records, points, 5)
+    apart = np.argsort(np.random.default_rng(6).random(len(points)))
+    alone = nearest(records, SurfacePoints(points.face[apart], points.barycentric[apart]), 5)
+    assert np.array_equal(alone[0], source[apart])
+    tied = distance[:, 1:] == distance[:, :-1]
+    assert tied.sum() > 100
+    assert (source[:, 1:] > source[:, :-1])[tied].all()
+    away = np.linalg.norm(points.positions(shape)[:, None] - at[source], axis=2)
+    assert np.allclose(away, distance)
+
+
 def test_every_point_finds_a_bucket_of_its_own_face():
     shape = cube()
     buckets = Buckets.of(shape, 0.7)

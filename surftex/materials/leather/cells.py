@@ -157,6 +157,7 @@ class Cells:
         plates : Plates
             Of the n samples.
         """
+        from surftex.kernels.gather import LANE, RANK
         from surftex.kernels.plates import BLOCK, MOST, PAIRS, ROWS, nearest_plates, plates
 
         n, most = len(points), self.neighbours
@@ -174,7 +175,10 @@ class Cells:
             points.check_on(self.records.surface)
             records = self.records
             shape = BLOCK, most
-            scratch = np.zeros(shape, np.int32), np.zeros(shape), np.zeros(shape, np.int32)
+            scratch = (
+                np.zeros(LANE), np.zeros(RANK, np.int64),
+                np.zeros(shape, np.int32), np.zeros(shape), np.zeros(shape, np.int32),
+            )  # fmt: skip
             nearest_plates(
                 *where(records, points), records.row, records.row_id, records.source_of, records.limit_mm,
                 *scratch, *located,
