@@ -25,7 +25,7 @@ from surftex.bake.jobs import (
     write_files,
 )
 from surftex.errors import SurftexError, WorkError
-from surftex.files.output import write_whole
+from surftex.files.output import check_room, write_whole
 from surftex.files.workplace import clear_remains
 from surftex.recipe.batch import REPORT, Batch, Job
 
@@ -145,11 +145,14 @@ def run_batch(
 
     Raises
     ------
+    InputError
+        If the output cannot be made or written to.
     WorkError
-        If the output cannot be written to, or the workers are gone.
+        If the disk is full, or the workers are gone.
     KeyboardInterrupt
         If it was interrupted; it says how many jobs are done. The report is written.
     """
+    check_room(batch.out)
     run = _Run(
         batch,
         workers,
@@ -367,8 +370,5 @@ def write_report(out: Path, result: BatchResult) -> None:
         "states": states,
         "jobs": [{**asdict(each), "folder": Path(each.folder).name} for each in result.results],
     }
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise WorkError(f"{out}: cannot write: {problem.strerror}") from None
-    write_whole(out / REPORT, (json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode())
+    data = (json.dumps(report, indent=1, ensure_ascii=False) + "\n").encode()
+    write_whole(out / REPORT, data, parents=True)

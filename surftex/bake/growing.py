@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from surftex.bake.stages import Stages, StageTick
 from surftex.errors import InputError
 from surftex.files.features import load_features, save_features
-from surftex.files.output import write_whole
+from surftex.files.output import check_place, write_whole
 from surftex.recipe.model import Recipe
 from surftex.surface.surface import Surface
 
@@ -64,6 +64,8 @@ class Growth:
             )
         if self.path is not None and (self.path.is_dir() or not self.path.absolute().parent.is_dir()):
             raise InputError(f"{self.path}: the growth needs the name of a file in a folder that is there")
+        if self.path is not None:
+            check_place(self.path)
         self.frames = frames
         self.seen: list[tuple[int, Mapping[str, NDArray]]] = []
         self.generation = 0

@@ -19,7 +19,7 @@ from surftex.exemplar.segments import segment
 from surftex.exemplar.store import SUFFIXES, Model, load_model
 from surftex.files.exemplars import read_exemplar, read_label_map
 from surftex.files.images import png_bytes
-from surftex.files.output import write_whole
+from surftex.files.output import check_place, write_whole
 from surftex.files.reading import printable
 from surftex.kernels.pool import Tick
 
@@ -306,7 +306,7 @@ def picture_place(out: str | Path) -> Path:
     Raises
     ------
     InputError
-        If it is no ``.png`` in a folder that is there.
+        If it is no ``.png`` in a folder that is there and can be written to.
     """
     return _place(out, (".png",), "a picture is written as .png")
 
@@ -365,6 +365,7 @@ def _place(out: str | Path, suffixes: tuple[str, ...], what: str) -> Path:
         raise InputError(f"{shown} is a folder; name a file")
     if not target.absolute().parent.is_dir():
         raise InputError(f"{shown}: there is no folder {printable(str(target.parent))}; make it first")
+    check_place(target)
     return target
 
 

@@ -5,6 +5,7 @@ a killed process leaves behind is cleared by the next run into that folder. File
 only when told, and files of other names are never touched.
 """
 
+import errno
 import hashlib
 import os
 import secrets
@@ -20,7 +21,18 @@ from types import FrameType
 from surftex.errors import InputError, SurftexError, WorkError
 from surftex.files.locks import locked_where_possible
 from surftex.files.publishing import publish
-from surftex.files.workplace import DRAFT, Workplace, clear_drafts, clear_remains, make_workplace
+from surftex.files.workplace import (
+    DRAFT,
+    RANDOM,
+    Workplace,
+    clear_drafts,
+    clear_remains,
+    make_workplace,
+    workplace_name,
+)
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Failures that are none of the place, but of what is on it."""
 
 
 def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Path:
@@ -45,15 +57,14 @@ def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bo
     Raises
     ------
     InputError
-        If the folder is a file or a symbolic link, or holds one of the names already.
+        If the folder is a file or a symbolic link, holds one of the names already, or cannot be made or written to.
     WorkError
-        If it cannot be written to.
+        If the disk is full.
     """
     folder = Path(folder)
+    check_room(folder)
     if folder.is_symlink():
         raise InputError(f"{folder} is a symbolic link; name the folder that it points to")
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file; name a folder for the output")
     clear_remains(folder)
     present = [name for name in names if os.path.lexists(folder / name)]
     for name in present:
@@ -64,12 +75,13 @@ def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bo
             f"{folder} holds {len(present)} of the files to write; the first is {present[0]}. "
             "Choose another folder, or allow it with overwrite (--overwrite)"
         )
-    check_room(folder)
     return folder
 
 
 def check_room(folder: Path) -> None:
     """Check before any work that files can be put into a folder, which may still have to be made.
+
+    Folders of the same names are made for a moment, in a hidden one: who may do what, a disk says only when asked to.
 
     Parameters
     ----------
@@ -78,22 +90,33 @@ def check_room(folder: Path) -> None:
 
     Raises
     ------
+    InputError
+        If it is a file, or the nearest folder that exists takes no such folder.
     WorkError
-        If the nearest folder that exists takes no files.
+        If the disk is full.
     """
-    nearest = folder.absolute()
-    while not nearest.exists() and nearest != nearest.parent:
+    place = folder.absolute()
+    nearest = place
+    while not os.path.lexists(nearest) and nearest != nearest.parent:
         nearest = nearest.parent
     if not nearest.is_dir():
-        raise WorkError(f"{folder}: cannot write in {nearest}: it is no folder")
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        reason = "the disk is read-only" if _read_only(nearest) else "no permission"
-        raise WorkError(f"{folder}: cannot write in {nearest}: {reason}")
-
-
-def _read_only(folder: Path) -> bool:
-    """Tell whether a folder lies on a disk that takes nothing; False where the system does not say."""
-    return hasattr(os, "statvfs") and bool(os.statvfs(folder).f_flag & os.ST_RDONLY)
+        if nearest == place and not nearest.is_symlink():
+            raise InputError(f"{folder} is a file; name a folder for the output")
+        raise InputError(f"{folder}: cannot write in {nearest}: it is no folder; choose another folder")
+    made: list[Path] = []
+    try:
+        with _undisturbed():
+            made.append(Path(tempfile.mkdtemp(prefix=".surftex-", dir=nearest)))
+            _make_folders(made[0] / place.relative_to(nearest) / workplace_name(place, "_" * RANDOM), made)
+            _remove(made)
+    except OSError as problem:
+        reason = problem.strerror or problem
+        if problem.errno in _FULL:
+            raise WorkError(f"{folder}: cannot write in {nearest}: {reason}") from None
+        raise InputError(f"{folder}: cannot write in {nearest}: {reason}; choose another folder") from None
+    finally:
+        with suppress(OSError):
+            _remove(made)
 
 
 @contextmanager
@@ -138,19 +161,20 @@ def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Pat
         with _undisturbed():
             if workplace is not None:
                 workplace.leave()
-            for parent in reversed(made):
-                parent.rmdir()
+            _remove(made)
 
 
-def write_whole(path: str | Path, data: bytes) -> None:
+def write_whole(path: str | Path, data: bytes, *, parents: bool = False) -> None:
     """Write one file, whole or not at all; a file of that name is replaced.
 
     Parameters
     ----------
     path : path
-        Of the file, in a folder that is there.
+        Of the file.
     data : bytes
         What it will hold.
+    parents : bool
+        Make its folder where that is missing; it is gone again where the file cannot be written.
 
     Raises
     ------
@@ -164,17 +188,23 @@ def write_whole(path: str | Path, data: bytes) -> None:
         raise InputError(f"{target} is a folder; name a file")
     clear_drafts(target)
     draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}{DRAFT}")
+    made: list[Path] = []
     try:
+        if parents:
+            _make_folders(target.absolute().parent, made)
         with locked_where_possible(draft):
             draft.write_bytes(data)
             _sync(draft)
         with suppress(OSError):
             shutil.copymode(target, draft)
         draft.replace(target)
+        made.clear()
     except OSError as problem:
         raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
     finally:
-        draft.unlink(missing_ok=True)
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
+            _remove(made)
 
 
 def check_place(path: str | Path) -> None:
@@ -268,6 +298,12 @@ def _make_folders(folder: Path, made: list[Path]) -> None:
         _make_folders(folder.parent, made)
         folder.mkdir()
         made.append(folder)
+
+
+def _remove(made: list[Path]) -> None:
+    """Remove folders that `_make_folders` has made, all of which are empty again."""
+    while made:
+        made.pop().rmdir()
 
 
 def _sync(path: Path) -> None:

@@ -21,7 +21,7 @@ DRAFT = ".surftex-draft"
 """End of the name of a file that is being written."""
 
 _YOUNG_S = 60.0
-_RANDOM = 8
+RANDOM = 8
 """Letters that `tempfile` puts at the end of a name."""
 
 
@@ -67,6 +67,24 @@ class Workplace:
             shutil.rmtree(self.root, ignore_errors=True)
 
 
+def workplace_name(folder: Path, end: str = "") -> str:
+    """Name a workplace.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the output.
+    end : str
+        `RANDOM` letters; how all such names begin, without them.
+
+    Returns
+    -------
+    name : str
+        Hidden.
+    """
+    return f".{folder.name}-{end}"
+
+
 def make_workplace(folder: Path) -> Workplace:
     """Make a hidden folder for output, on the same disk.
 
@@ -88,7 +106,7 @@ def make_workplace(folder: Path) -> Workplace:
     place = folder.resolve()
     inside = place.is_dir() and (place.is_mount() or not os.access(place.parent, os.W_OK | os.X_OK))
     while True:
-        root = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place if inside else place.parent))
+        root = Path(tempfile.mkdtemp(prefix=workplace_name(place), dir=place if inside else place.parent))
         with suppress(
             FileNotFoundError
         ):  # somebody took it for the remains of a dead process, and cleared it
@@ -119,11 +137,11 @@ def clear_remains(folder: Path) -> None:
         Where output is to appear; need not exist.
     """
     place = folder.resolve()
-    start = f".{place.name}-"
+    start = workplace_name(place)
     for parent in (place.parent, place):
         with suppress(OSError):
             for entry in list(os.scandir(parent)):
-                alike = entry.name.startswith(start) and len(entry.name) == len(start) + _RANDOM
+                alike = entry.name.startswith(start) and len(entry.name) == len(start) + RANDOM
                 if alike and entry.is_dir(follow_symlinks=False):
                     _clear(Path(entry.path), place)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import InputError, WorkError
+from surftex.errors import InputError
 from surftex.preview.section import Section, flat_section
 from surftex.preview.sheet import contact_sheet, written
 from surftex.preview.spectrum import Ring, Spectrum, fitted_ring, height_spectrum, statistics
@@ -30,7 +30,8 @@ def analyse_file(
     path : path
         Of an EXR of one channel, millimetres.
     out : path, optional
-        Stem of the PNG and the JSON; beside the map, ending in ``_analysis``, without it.
+        Stem of the PNG and the JSON, whose folder is made where it is missing; beside the map, ending in ``_analysis``,
+        without it.
     section : (4,) float, optional
         Column and row of the start, then of the end, in texels.
     mm_per_texel : float, optional
@@ -44,11 +45,12 @@ def analyse_file(
     Raises
     ------
     InputError
-        If the map, the section or the size cannot be used.
+        If the map, the section or the size cannot be used, or nothing can be written where the files are to appear.
     WorkError
         If a file cannot be written.
     """
     source = Path(path)
+    files = _places(source, out)
     height = _height(source)
     warnings = []
     if mm_per_texel is None:
@@ -63,9 +65,6 @@ def analyse_file(
     spectrum = height_spectrum(height, mm_per_texel)
     ring = fitted_ring(spectrum)
     cut = None if section is None else flat_section(height, section[:2], section[2:], mm_per_texel)
-    stem = Path(out) if out is not None else source.with_name(f"{source.stem}_analysis")
-    stem = stem.with_suffix("") if stem.suffix.lower() in (".png", ".json") else stem
-    files = [str(stem) + suffix for suffix in (".png", ".json")]
     result = {
         "source": source.name,
         "size": [height.shape[1], height.shape[0]],
@@ -234,17 +233,25 @@ def _reported(path: Path, shape: tuple[int, ...]) -> float | None:
     return float(np.sqrt(size)) if 0 < size < np.inf else None
 
 
+def _places(source: Path, out: str | os.PathLike[str] | None) -> list[str]:
+    """Name both files, and check before any work that they can be written."""
+    from surftex.files.output import check_room
+
+    stem = Path(out) if out is not None else source.with_name(f"{source.stem}_analysis")
+    stem = stem.with_suffix("") if stem.suffix.lower() in (".png", ".json") else stem
+    check_room(stem.parent)
+    files = [str(stem) + suffix for suffix in (".png", ".json")]
+    for name in files:
+        if Path(name).is_dir():
+            raise InputError(f"{name} is a folder; name another stem with --out")
+    return files
+
+
 def _write(files: list[str], picture: NDArray[np.uint8], result: dict[str, Any]) -> None:
     """Write both files, each whole."""
     from surftex.files.images import png_bytes
+    from surftex.files.output import write_whole
 
     text = json.dumps(result, indent=1) + "\n"
     for name, data in zip(files, (png_bytes(picture), text.encode("utf-8")), strict=True):
-        target = Path(name)
-        draft = target.with_name(f".{target.name}.{os.getpid()}")
-        try:
-            draft.write_bytes(data)
-            draft.replace(target)
-        except OSError as problem:
-            draft.unlink(missing_ok=True)
-            raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
+        write_whole(name, data, parents=True)

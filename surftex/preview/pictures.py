@@ -1,13 +1,12 @@
 """Pictures to files: PNG, whole or not at all."""
 
 import os
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import InputError, WorkError
+from surftex.errors import InputError
 
 
 def check_picture(path: str | os.PathLike[str]) -> Path:
@@ -26,18 +25,18 @@ def check_picture(path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        If the name does not end in .png, or is that of a folder.
+        If the name does not end in .png, or is that of a folder, or nothing can be written there.
     WorkError
-        If nothing can be written there.
+        If the disk is full.
     """
     from surftex.files.output import check_room
 
     target = Path(path)
     if target.suffix.lower() != ".png":
         raise InputError(f"{target}: pictures are PNG; let the name end in .png")
+    check_room(target.parent)
     if target.is_dir():
         raise InputError(f"{target} is a folder; name a file for the picture")
-    check_room(target.parent)
     return target
 
 
@@ -64,16 +63,8 @@ def save_picture(path: str | os.PathLike[str], picture: NDArray[np.uint8]) -> Pa
         If it cannot be written.
     """
     from surftex.files.images import png_bytes
+    from surftex.files.output import write_whole
 
     target = check_picture(path)
-    data = png_bytes(picture)
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_bytes(data)
-        draft.replace(target)
-    except OSError as problem:
-        with suppress(OSError):
-            draft.unlink(missing_ok=True)
-        raise WorkError(f"{target}: cannot write: {problem.strerror or problem}") from None
+    write_whole(target, png_bytes(picture), parents=True)
     return target

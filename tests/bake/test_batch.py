@@ -225,15 +225,27 @@ def test_a_job_in_other_hands_is_waited_for_and_then_kept(studio):
 
 
 def test_a_job_whose_folder_cannot_be_written_fails_alone(studio, monkeypatch):
-    plain = os.access
-    monkeypatch.setattr(
-        os, "access", lambda path, mode: Path(path).name != "one-calf-2" and plain(path, mode)
-    )
+    plain = os.mkdir
+
+    def refused(path, *more, **how):
+        if Path(path).parent.name == "one-calf-2":
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        plain(path, *more, **how)
+
+    monkeypatch.setattr(os, "mkdir", refused)
     (studio / "out" / "one-calf-2").mkdir(parents=True)
     result = done_in(studio, keep_going=True)
     assert [each.state for each in result.results] == ["done", "failed", "done", "done"]
     assert "one-calf-2: cannot write" in (result.results[1].reason or "")
-    assert result.exit_code == 3
+    assert result.exit_code == 2
+
+
+def test_an_output_that_cannot_be_made_is_told_before_any_job_is_touched(studio, monkeypatch):
+    (studio / "out").write_text("in the way")
+    monkeypatch.setattr("surftex.bake.batch.job_contents", lambda recipe: pytest.fail("a job was begun"))
+    with pytest.raises(InputError, match="out is a file; name a folder"):
+        done_in(studio)
+    assert (studio / "out").read_text() == "in the way"
 
 
 def test_a_disk_that_is_full_fails_a_job_and_the_others_go_on(studio, monkeypatch):
@@ -401,7 +413,7 @@ def test_a_plan_tells_of_folders_that_the_batch_would_refuse(studio, capsys):
     strange.rmdir()
     batch.out.rmdir()
     batch.out.write_text("a file")
-    with pytest.raises(WorkError, match=r"^4 of 4 jobs would fail$"):
+    with pytest.raises(InputError, match=r"^4 of 4 jobs would fail$"):
         run(options)
     assert capsys.readouterr().out.count("it is no folder") == 4
 

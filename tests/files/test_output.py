@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -288,14 +289,55 @@ def test_refuses_links_files_and_folders_in_the_way(tmp_path):
     assert (tmp_path / "file").read_text() == "keep"
 
 
-def test_a_folder_without_leave_to_write_is_told_in_a_line(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "access", lambda path, mode: False)
-    with pytest.raises(WorkError, match=r"cannot write in .*: no permission") as caught:
+def test_a_folder_without_leave_to_write_is_told_in_a_line_and_before_any_work(tmp_path, monkeypatch):
+    def refused(*what, **how):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "mkdir", refused)
+    with pytest.raises(InputError, match=r"cannot write in .*: Permission denied; choose another") as caught:
         check_output(tmp_path / "a" / "out")
     assert "\n" not in str(caught.value)
     monkeypatch.undo()
     assert check_output(tmp_path / "a" / "out") == tmp_path / "a" / "out"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_folders_that_no_disk_can_make_are_refused_before_any_work(tmp_path):
+    """Whether root may, a mode does not say: the disk is asked."""
+    (tmp_path / "file").write_text("keep")
+    (tmp_path / "gone").symlink_to(tmp_path / "nowhere")
+    wrong = [
+        tmp_path / "file" / "out",
+        tmp_path / "gone" / "out",
+        tmp_path / ("a" * 250),
+        tmp_path / ("a" * 300),
+    ]
+    for folder in wrong + [Path("/proc/x/y")] * sys.platform.startswith("linux"):
+        with pytest.raises(InputError, match=r"cannot write in .*; choose another folder"):
+            check_output(folder)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "gone"]
+
+
+def test_a_full_disk_is_no_fault_of_the_folder(tmp_path, monkeypatch):
+    def full(*what, **how):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "mkdir", full)
+    with pytest.raises(WorkError, match="No space left on device"):
+        check_output(tmp_path / "out")
+
+
+def test_folders_made_for_one_file_go_again_where_it_cannot_be_written(tmp_path, monkeypatch):
+    write_whole(tmp_path / "a" / "b" / "one", b"1", parents=True)
+    assert contents(tmp_path / "a" / "b") == {"one": "1"}
+
+    def failing(path):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(output, "_sync", failing)
+    with pytest.raises(WorkError, match="No space left"):
+        write_whole(tmp_path / "a" / "c" / "d" / "two", b"2", parents=True)
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b"]
 
 
 @pytest.fixture(params=[signal.SIGINT, signal.SIGTERM], ids=lambda each: each.name)

@@ -112,6 +112,20 @@ def test_analyse_file_writes_picture_and_numbers(tmp_path):
     assert read_png(tmp_path / "a_height_analysis.png").std() > 20
 
 
+def test_where_an_analysis_cannot_go_is_told_before_the_map_is_read(tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "there.json").mkdir()
+    for out, what in (
+        ("file/x", "file is a file; name a folder"),
+        ("there", "is a folder; name another stem"),
+    ):
+        with pytest.raises(InputError, match=what):
+            analyse_file(tmp_path / "no map at all.exr", tmp_path / out)
+    write_exr(tmp_path / "h.exr", waves(2, 2, 0, size=64).astype(np.float32))
+    analyse_file(tmp_path / "h.exr", tmp_path / "new" / "x")
+    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == ["x.json", "x.png"]
+
+
 def test_texel_size_comes_from_the_report_or_is_said_to_be_unknown(tmp_path):
     write_exr(tmp_path / "h.exr", waves(2, 2, 0, size=64).astype(np.float32))
     assert "not known" in analyse_file(tmp_path / "h.exr")["warnings"][0]
