@@ -177,11 +177,11 @@ def _bake(
 ) -> "Baked":  # fmt: skip
     from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
-    from surftex.bake.growing import ground_key
+    from surftex.bake.growing import ground_key, grown_on
     from surftex.bake.growth_facts import grown_cells
     from surftex.bake.looks import clamped_warnings
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
-    from surftex.bake.placed import start_from
+    from surftex.bake.placed import refuse_uncovered, start_from
     from surftex.bake.remembering import features_key, remember_features, remembered_features
     from surftex.bake.report import make_report, measured_seams
     from surftex.bake.scales import scale_report, size_warnings
@@ -198,7 +198,11 @@ def _bake(
         if isinstance(features, (str, os.PathLike)):
             recipe, untold = start_from(Path(features), recipe, surface)
         fields = make_fields(recipe, surface)
-        begun = None if growth is None else growth.begun(recipe, ground_key(surface))
+        if isinstance(features, (str, os.PathLike)):
+            refuse_uncovered(Path(features), recipe, surface, fields)
+        begun = None
+        if growth is not None:
+            begun = growth.begun(recipe, ground_key(surface, grown_on(recipe, surface, fields)))
     key = features_key(recipe, surface) if remember and given is None and growth is None else None
     with Unwrapping(surface, settings, stages, threads, remember=remember) as unwrapping:
         with stages.stage("place") as tick:

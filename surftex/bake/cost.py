@@ -110,14 +110,16 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             if isinstance(found, SurftexError):
                 raise found
             tiles = _foreseen_tiles(recipe, found)
-            _refuse_too_many(recipe, found)
+            areas = _refuse_too_many(recipe, found)
         except SurftexError as problem:
             yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
-        faces, area_mm2 = len(found.faces), found.area_mm2
+        faces = len(found.faces)
         sizes = [getattr(layer.material, "cell_size", None) for layer in recipe.layer]
         cells = sum(
-            max(1, round(_CELLS * area_mm2 / size**2)) for size in sizes if isinstance(size, (int, float))
+            max(1, round(_CELLS * area_mm2 / size**2))
+            for size, area_mm2 in zip(sizes, areas, strict=True)
+            if isinstance(size, (int, float)) and area_mm2 > 0
         )
         yield {
             "faces": faces,
@@ -139,18 +141,30 @@ def _foreseen_tiles(recipe: Recipe, surface: Surface) -> int:
     return len(Atlas.of(surface, surface.corner_uv).tiles) if own and surface.corner_uv is not None else 1
 
 
-def _refuse_too_many(recipe: Recipe, surface: Surface) -> None:
-    """Refuse what a layer by itself would refuse for the number of its features."""
+def _refuse_too_many(recipe: Recipe, surface: Surface) -> list[float]:
+    """Refuse what a layer by itself would refuse for the number of its features; tell the mm^2 that each lies on."""
+    from surftex.bake.covered import fields_on
     from surftex.bake.fields import make_fields
     from surftex.bake.locating import located
+    from surftex.bake.stack import layer_cover
+    from surftex.surface.bodies import Bodies
 
-    fields = make_fields(recipe, surface)
+    fields, areas = make_fields(recipe, surface), []
     for i, layer in enumerate(recipe.layer):
+        covered = layer_cover(recipe, i, surface, fields)
+        areas.append(float(surface.face_area_mm2[covered[surface.component]].sum()))
+        if not covered.any():
+            continue
+        ground, names = surface, fields
+        if not covered.all():
+            bodies = Bodies.of(surface, covered)
+            ground, names = bodies.surface, fields_on(bodies, fields)
         refuse = getattr(layer.material, "refuse_too_many", None)
         if refuse is not None:
             with located(recipe, "layer", i, label="layer" if len(recipe.layer) == 1 else f"layer[{i + 1}]"):
                 seed = layer_seed(recipe.seed, i)
-                refuse(surface, seed, fields=fields, max_features=recipe.bake.max_features)
+                refuse(ground, seed, fields=names, max_features=recipe.bake.max_features)
+    return areas
 
 
 def _density(surface: Surface, side: int) -> float:

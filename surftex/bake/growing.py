@@ -3,7 +3,7 @@
 import hashlib
 import io
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.bake.stack import layer_cover
 from surftex.bake.stages import Stages, StageTick
 from surftex.errors import InputError
+from surftex.fields.fieldset import FieldSet
 from surftex.files.features import load_features, save_features
 from surftex.files.output import check_place, write_whole
 from surftex.recipe.model import Recipe
@@ -222,13 +224,37 @@ def _differing(keys: list[str]) -> str:
     return " and ".join(found)
 
 
-def ground_key(surface: Surface) -> str:
+def grown_on(recipe: Recipe, surface: Surface, fields: FieldSet) -> tuple[NDArray[np.bool_], ...]:
+    """Tell on which bodies each layer grows.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The layers.
+    surface : Surface
+        With c components.
+    fields : FieldSet
+        The recipe's fields on it.
+
+    Returns
+    -------
+    covered : tuple of (c,) bool
+        Of the layers that grow.
+    """
+    return tuple(
+        layer_cover(recipe, i, surface, fields) for i, layer in enumerate(recipe.layer) if layer.kind in GROWS
+    )
+
+
+def ground_key(surface: Surface, covered: Sequence[NDArray[np.bool_]] = ()) -> str:
     """Tell surfaces apart on which the same particles would not fit.
 
     Parameters
     ----------
     surface : Surface
         Where something grows.
+    covered : sequence of (c,) bool
+        On which of its components; all of them without it.
 
     Returns
     -------
@@ -237,6 +263,8 @@ def ground_key(surface: Surface) -> str:
     """
     digest = hashlib.sha256(np.ascontiguousarray(surface.vertices).data)
     digest.update(np.ascontiguousarray(surface.faces).data)
+    if not all(bodies.all() for bodies in covered):
+        digest.update(np.concatenate(covered).tobytes())
     return digest.hexdigest()
 
 

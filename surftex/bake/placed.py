@@ -1,13 +1,17 @@
 """What placed the features of a file: told in it, and compared with the bake that starts from it."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
+from surftex.bake.covered import bodies_of
+from surftex.bake.stack import layer_cover
 from surftex.errors import InputError
+from surftex.fields.fieldset import FieldSet
 from surftex.files.features import features_told
 from surftex.recipe.fields import named_files
 from surftex.recipe.model import Recipe
@@ -17,8 +21,8 @@ _ROUNDING = 1e-3
 """By which the size of a mesh may differ that was written and read again."""
 
 
-def placed_by(recipe: Recipe, surface: Surface) -> dict[str, Any]:
-    """Tell what decides where features lie; colours, heights and masks of layers do not.
+def placed_by(recipe: Recipe, surface: Surface, patterns: Sequence[Any] = ()) -> dict[str, Any]:
+    """Tell what decides where features lie; colours and heights do not, masks only by the bodies that they cover.
 
     Parameters
     ----------
@@ -26,14 +30,19 @@ def placed_by(recipe: Recipe, surface: Surface) -> dict[str, Any]:
         That placed them, or shall be baked from them.
     surface : Surface
         Where.
+    patterns : sequence of Pattern, optional
+        What was placed, a pattern for each layer.
 
     Returns
     -------
     told : dict
-        ``seed``, ``size_mm`` of the longest side, ``layer``: material and parameters of each, ``fields``: those that the
-        parameters use. JSON types.
+        ``seed``, ``size_mm`` of the longest side, ``layer``: material and parameters of each, and ``bodies``, the numbers of
+        the components that it was placed on, where these are not all; ``fields``: those that the parameters use. JSON types.
     """
     layers = [{"material": layer.kind, **_placing(layer.material)} for layer in recipe.layer]
+    for layer, pattern in zip(layers, patterns, strict=False):
+        if (bodies := bodies_of(pattern)) is not None:
+            layer["bodies"] = list(bodies)
     entries = {name: _entry(entry) for name, entry in recipe.fields_.items()}
     used: dict[str, Any] = {}
     words = list(_words(layers))
@@ -82,6 +91,41 @@ def start_from(file: Path, recipe: Recipe, surface: Surface) -> tuple[Recipe, tu
             "make them alike, or leave the features out to place anew"
         )
     return recipe, ()
+
+
+def refuse_uncovered(file: Path, recipe: Recipe, surface: Surface, fields: FieldSet) -> None:
+    """Refuse to start from features that lie on fewer bodies than the masks cover.
+
+    Parameters
+    ----------
+    file : Path
+        A features file.
+    recipe : Recipe
+        Of the bake.
+    surface : Surface
+        Of the bake.
+    fields : FieldSet
+        The recipe's fields on it.
+
+    Raises
+    ------
+    InputError
+        Naming the first layer that covers a body on which nothing of it was placed.
+    """
+    told = (features_told(file) or {}).get("layer")
+    layers = told if isinstance(told, list) else []
+    for i, layer in enumerate(layers):
+        bodies = layer.get("bodies") if isinstance(layer, Mapping) else None
+        if not isinstance(bodies, list) or i >= len(recipe.layer):
+            continue
+        covered = layer_cover(recipe, i, surface, fields)
+        more = len({*np.flatnonzero(covered).tolist()}.difference(bodies))
+        if more:
+            label = f"layer[{i + 1}].mask" if len(layers) > 1 else "mask"
+            raise InputError(
+                f"{file}: was placed on {len(bodies)} of the {len(covered)} bodies of the mesh, and {label} covers {more} "
+                f"more; make it cover no other, or leave the features out to place anew"
+            )
 
 
 def _placing(material: Any) -> dict[str, Any]:

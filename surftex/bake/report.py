@@ -74,7 +74,7 @@ def make_report(
         "wall_s": stages.wall_s(),
         "peak_rss_mb": peak_rss_mb(),
         "features": feature_counts(stack.features),
-        "placed": placed_by(recipe, surface),
+        "placed": placed_by(recipe, surface, stack.patterns),
         "clamped": pages.clamped,
         "subsurface": subsurface_report(pages, surface.name),
         "blender": blender_report(pages, surface.name),

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.bake.covered import BodiesTick, OnBodies, Uncovered, covered_bodies, fields_on, holding, mask_on
 from surftex.bake.locating import located
 from surftex.errors import InputError, RecipeError
 from surftex.fields.fieldset import FieldSet
@@ -16,6 +17,7 @@ from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.layers import CHANNELS, Pattern
 from surftex.randomness import stream
 from surftex.recipe.model import Recipe
+from surftex.surface.bodies import Bodies
 from surftex.surface.points import Samples
 from surftex.surface.surface import Surface
 
@@ -220,7 +222,12 @@ def place_stack(
     for i in range(count):
         given = _named_for(begun or {}, i) or None
         if features is not None:
-            given = _of_layer(features, i, _label(recipe, i))
+            given = _named_for(features, i)
+            if not given and layer_cover(recipe, i, surface, fields).any():
+                raise RecipeError(
+                    f"{_label(recipe, i)}: the features file holds nothing for this layer; was it baked from another "
+                    "recipe?"
+                )
         if given is not None:
             _check_given(surface, given, _label(recipe, i))
         told = _LayerTick(tick, i, count)
@@ -244,7 +251,7 @@ def place_layer(
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> tuple[Pattern, Field | None]:
-    """Place one layer of a recipe on a surface.
+    """Place one layer of a recipe on the bodies of a surface that its mask covers.
 
     Parameters
     ----------
@@ -280,11 +287,19 @@ def place_layer(
     layer = recipe.layer[index]
     material: Any = layer.material
     try:
-        with located(recipe, "layer", index, "mask", label=f"{_label(recipe, index)}.mask"):
-            mask = None if layer.mask == 1 else fields.scalar(layer.mask)
+        covered = layer_cover(recipe, index, surface, fields, features)
+        if not covered.any() and hasattr(material, "channels"):
+            with located(recipe, "layer", index, label=_label(recipe, index)):
+                unseen = Uncovered(material.channels)
+            return unseen, mask_on(unseen, fields, layer.mask)
+        bodies = Bodies.of(surface, covered) if covered.any() and not covered.all() else None
+        if bodies is not None:
+            tick = BodiesTick(tick, bodies)
+            features = None if features is None else bodies.rows_here(features)
         with located(recipe, "layer", index, label=_label(recipe, index)):
-            pattern = material.place(
-                surface, layer_seed(recipe.seed, index), fields=fields, features=features,
+            pattern: Pattern = material.place(
+                surface if bodies is None else bodies.surface, layer_seed(recipe.seed, index),
+                fields=fields if bodies is None else fields_on(bodies, fields), features=features,
                 max_features=max_features or recipe.bake.max_features, threads=threads, tick=tick,
             )  # fmt: skip
     except InputError:
@@ -295,7 +310,44 @@ def place_layer(
         raise RecipeError(
             f"{_label(recipe, index)}: the features do not fit {layer.kind} ({problem}); were they placed by another recipe?"
         ) from None
-    return pattern, mask
+    if bodies is not None:
+        pattern = OnBodies.of(bodies, pattern)
+    return pattern, mask_on(pattern, fields, layer.mask)
+
+
+def layer_cover(
+    recipe: Recipe, index: int, surface: Surface, fields: FieldSet, features: Features | None = None
+) -> NDArray[np.bool_]:
+    """Tell which bodies of a surface a layer lies on.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        With the layer.
+    index : int
+        Of the layer, from 0.
+    surface : Surface
+        With c components.
+    fields : FieldSet
+        The recipe's fields on it.
+    features : mapping of str to structured array, optional
+        What the layer was given: it lies on the bodies of these as well.
+
+    Returns
+    -------
+    covered : (c,) bool
+        By component.
+
+    Raises
+    ------
+    RecipeError
+        If the mask is wrong; the message names the layer.
+    """
+    with located(recipe, "layer", index, "mask", label=f"{_label(recipe, index)}.mask"):
+        covered = covered_bodies(surface, fields, recipe.layer[index].mask)
+    if features is not None and not covered.all():
+        covered = covered | holding(surface, features)
+    return covered
 
 
 def _label(recipe: Recipe | None, index: int) -> str:
@@ -388,12 +440,3 @@ def _check_given(surface: Surface, features: Features, label: str) -> None:
         check_given(surface, features)
     except InputError as problem:
         raise RecipeError(f"{label}: {problem}") from None
-
-
-def _of_layer(features: Features, index: int, label: str) -> dict[str, NDArray]:
-    own = _named_for(features, index)
-    if not own:
-        raise RecipeError(
-            f"{label}: the features file holds nothing for this layer; was it baked from another recipe?"
-        )
-    return own

@@ -168,7 +168,7 @@ class FieldSet:
         """
         from surftex.fields.vectors import VectorField
 
-        made = self._direction(name)
+        made = self.made_direction(name)
         if isinstance(made, VectorField):
             made = self._made[name + " directions"] = (
                 self._made.get(name + " directions") or made.directions()
@@ -195,8 +195,13 @@ class FieldSet:
         """
         from surftex.fields.vectors import VectorField
 
-        made = self._direction(name)
+        made = self.made_direction(name)
         return made if isinstance(made, VectorField) else VectorField.along(made)
+
+    @property
+    def point_names(self) -> tuple[str, ...]:
+        """Names of all fields with places, sorted."""
+        return tuple(sorted(self._points))
 
     @property
     def curve_names(self) -> tuple[str, ...]:
@@ -249,7 +254,24 @@ class FieldSet:
             raise RecipeError(f"unknown places {name!r}{_hint(name, self._points, 'places')}")
         return self._points[name]()
 
-    def _direction(self, name: str) -> "DirectionField | VectorField":
+    def made_direction(self, name: str) -> "DirectionField | VectorField":
+        """Look up what the direction of one name was made as.
+
+        Parameters
+        ----------
+        name : str
+            One of `direction_names`.
+
+        Returns
+        -------
+        made : DirectionField or VectorField
+            Made at first use.
+
+        Raises
+        ------
+        RecipeError
+            If no direction has this name.
+        """
         if name not in self._directions:
             if name in self:
                 raise RecipeError(f"field {name!r} is a number; directions are made from strokes or an axis")

@@ -123,6 +123,33 @@ def span_of(field: Field, surface: Surface) -> Span:
     return np.full(len(surface.faces), -np.inf), np.full(len(surface.faces), np.inf)
 
 
+def carried(field: SpannedField, face: NDArray[np.integer]) -> SpannedField:
+    """Carry a field over to some faces of its surface that are a surface of their own.
+
+    Parameters
+    ----------
+    field : SpannedField
+        On the whole.
+    face : (k,) int
+        Face of the whole that each own face is.
+
+    Returns
+    -------
+    field : SpannedField
+        The same numbers at the same places.
+    """
+    there = np.asarray(face, np.int32)
+
+    def value(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
+        return field(SurfacePoints.trusted(there[points.face], points.barycentric), footprint_mm)
+
+    def span() -> Span:
+        low, high = field.span()
+        return low[there], high[there]
+
+    return SpannedField(value, span)
+
+
 def corner_field(values: NDArray[np.float64]) -> SpannedField:
     """Interpolate numbers at the corners of faces.
 

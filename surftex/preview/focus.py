@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from surftex.errors import InputError
 from surftex.fields.fieldset import FieldSet
-from surftex.fields.sources import SpannedField
+from surftex.fields.sources import carried
 from surftex.geodesics.directions import DirectionField
 from surftex.recipe.model import Recipe
 from surftex.surface.points import Samples, SurfacePoints
@@ -98,15 +98,6 @@ class Piece:
             Of the same names.
         """
 
-        def number(name: str) -> SpannedField:
-            field = fields.scalar(name)
-
-            def value(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-                there = SurfacePoints.trusted(self.face[points.face].astype(np.int32), points.barycentric)
-                return field(there, footprint_mm)
-
-            return SpannedField(value, lambda: tuple(side[self.face] for side in field.span()))  # type: ignore[return-value]
-
         def direction(name: str) -> DirectionField:
             found = fields.direction(name)
             count = len(self.face)
@@ -117,7 +108,7 @@ class Piece:
 
         return FieldSet(
             self.surface,
-            {name: number(name) for name in fields.names},
+            {name: carried(fields.scalar(name), self.face) for name in fields.names},
             {name: (lambda name=name: direction(name)) for name in fields.direction_names},
         )
 

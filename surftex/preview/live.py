@@ -14,6 +14,7 @@ from typing import Any, Literal, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.bake.covered import bodies_of, covered_bodies, mask_on
 from surftex.bake.fields import make_fields
 from surftex.bake.stack import (
     BARE,
@@ -134,10 +135,7 @@ class Live:
     @property
     def stack(self) -> Stack:
         """Patterns and masks as last drawn in full."""
-        masks = (
-            None if placed.layer.mask == 1 else placed.fields.scalar(placed.layer.mask)
-            for placed in self._placed
-        )
+        masks = (mask_on(placed.pattern, placed.fields, placed.layer.mask) for placed in self._placed)
         return Stack(tuple(placed.pattern for placed in self._placed), tuple(masks))
 
     def channel(self, name: str) -> NDArray[Any]:
@@ -301,6 +299,8 @@ class Live:
             or kept.fields is not self._field_set(recipe)
         ):
             return "placed"
+        if not self._same_bodies(kept, recipe.layer[index]):
+            return "placed"
         if material == before:
             return "kept"
         if isinstance(kept.base, Reshaping):
@@ -310,6 +310,17 @@ class Live:
                 return "gathered"
         return "placed"
 
+    def _same_bodies(self, kept: _Placed, layer: Layer) -> bool:
+        """Tell whether a layer lies where it is to be seen: on the bodies that its mask covers, or it covers none."""
+        if layer.mask == kept.layer.mask:
+            return True
+        covered = covered_bodies(self.surface, kept.fields, layer.mask)
+        number, lies = bodies_of(kept.pattern), np.ones(len(covered), bool)
+        if number is not None:
+            lies[:] = False
+            lies[list(number)] = True
+        return not covered.any() or bool((covered == lies).all())
+
     def _layer(self, recipe: Recipe, index: int, tick: Tick | None) -> _Placed:
         """Do for one layer what its change asks for."""
         layer, fields = recipe.layer[index], self._field_set(recipe)
@@ -317,7 +328,7 @@ class Live:
         kept = self._placed[index] if index < len(self._placed) else None
         if kept is not None and effort in ("kept", "shaped"):
             same_mask = layer.mask == kept.layer.mask
-            mask = None if layer.mask == 1 else fields.scalar(layer.mask)
+            mask = mask_on(kept.pattern, fields, layer.mask)
             cover = kept.cover if same_mask else [covering(mask, samples) for samples in self._samples]
             if effort == "kept":
                 return replace(kept, layer=layer, cover=cover)

@@ -226,6 +226,13 @@ class Cells(Checked):
         """
         return self.model_copy(update={"wrinkle_width": times * self.wrinkle_width})
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that its patterns answer with."""
+        from surftex.materials.cells.pattern import CHANNELS
+
+        return CHANNELS
+
     def wavelengths_mm(self) -> dict[str, float]:
         """Tell how large features are.
 

@@ -108,6 +108,16 @@ class Composite(Checked):
 
         return captions("composite")
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that its patterns answer with."""
+        from surftex.exemplar.composite import CompositeModel
+        from surftex.materials.composite.drawing import named_model
+
+        height = ("height_mm",) if self.relief > 0 else ()
+        region = ("region",) if isinstance(named_model(self.model), CompositeModel) else ()
+        return ("base_color", *height, "roughness", "specular", *region)
+
     def wavelengths_mm(self) -> dict[str, float]:
         """Tell how large features are.
 

@@ -192,6 +192,13 @@ class Leather(Checked):
         widths = ("sulcus_width", "wrinkle_width", "pocket_width", "pore_width", "crown_width")
         return self.model_copy(update={key: times * getattr(self, key) for key in widths})
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that its patterns answer with."""
+        from surftex.materials.leather.pattern import CHANNELS
+
+        return CHANNELS
+
     def wavelengths_mm(self) -> dict[str, float]:
         """Tell how large features are.
 

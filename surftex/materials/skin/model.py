@@ -292,6 +292,13 @@ class Skin(Checked):
 
         return captions("skin")
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names of the channels that its patterns answer with."""
+        from surftex.materials.skin.pattern import CHANNELS
+
+        return CHANNELS
+
     def wavelengths_mm(self) -> dict[str, float]:
         """Tell how large features are.
 
