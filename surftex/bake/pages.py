@@ -17,7 +17,7 @@ from surftex.arrays import read_only_view
 from surftex.bake.stack import Stack
 from surftex.charts.atlas import Atlas
 from surftex.charts.fill import fill_nearest
-from surftex.charts.texels import Texels, default_gutter_px, texels
+from surftex.charts.texels import EXACT_PX, Texels, default_gutter_px, texels
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
 from surftex.materials.layers import CHANNELS, RAW
@@ -33,7 +33,7 @@ TILE_TEXELS = 1 << 21
 
 _TILE_ROWS = 512
 
-_SLICE = 1 << 15
+_SLICE = 1 << 14
 _FROM_HEIGHT = ("normal", "ambient_occlusion")
 _CHANNEL_OF = {"height": "height_mm", **dict.fromkeys(_FROM_HEIGHT, "height_mm")}
 
@@ -187,7 +187,9 @@ def _bake_page(
     for first, last in _tiles(resolution, tile_rows, beyond):
         margin = beyond if last - first < resolution else 0
         rows = (max(0, first - margin), min(resolution, last + margin))
-        tile = texels(surface, atlas, resolution, gutter_px=gutter, rows=rows, threads=threads)
+        tile = texels(
+            surface, atlas, resolution, gutter_px=gutter, exact_px=EXACT_PX, rows=rows, threads=threads
+        )
         share = (
             None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
         )
@@ -297,14 +299,18 @@ def _evaluated(
 ) -> NDArray[np.float32]:
     """Write what the layers say of the texels in `rows` into the images; the height of all texels of the tile.
 
-    Samples are asked in slices, and face by face.
+    Samples are asked in slices, and face by face; those that share the place of another get its values.
     """
     from surftex.kernels.ordering import order_by_face
+    from surftex.kernels.rows import repeat_rows
 
     samples, width = tile.samples, tile.width
-    order = np.zeros(len(samples), np.int32)
+    own = tile.source == np.arange(len(tile), dtype=np.int32)
+    asked_alone, follower = np.flatnonzero(own).astype(np.int32), np.flatnonzero(~own)
+    order = np.zeros(len(asked_alone), np.int32)
     place = np.zeros(len(surface.faces) + 1, np.int64)
-    order_by_face(read_only_view(samples.points.face, np.int32), place, order)
+    order_by_face(read_only_view(samples.points.face[asked_alone], np.int32), place, order)
+    order = asked_alone[order]
     tables = {name: _table(page) for name, page in images.items() if name not in _FROM_HEIGHT}
     looked_around = len(tables) < len(images)
     height = np.zeros(len(samples) if looked_around else 0, np.float32)
@@ -325,7 +331,15 @@ def _evaluated(
         for name, table in tables.items():
             _put(texel, rows, width, values[_CHANNEL_OF.get(name, name)], table)
 
-    slices(work, len(samples), size=_SLICE, threads=threads, tick=tick)
+    slices(work, len(order), size=_SLICE, threads=threads, tick=tick)
+    source = tile.source[follower]
+    if looked_around:
+        height[follower] = height[source]
+    texel = tile.texel[follower]
+    kept = (texel >= rows[0] * width) & (texel < rows[1] * width)
+    to, of = texel[kept], tile.texel[source[kept]]
+    for table in tables.values():
+        repeat_rows(read_only_view(to, np.int64), read_only_view(of, np.int64), table)
     return height
 
 

@@ -4,7 +4,7 @@
   matter.
 * gutter: within `gutter_px` of a chart; the texel shows what the surface shows beyond the chart's edge: the
   straight line from the nearest edge, unfolded over the neighbouring faces, so that bilinear lookup agrees
-  on both sides.
+  on both sides. Far from edges, where only coarse mips look, two by two texels may show the place between them.
 * the rest stands for no place; `Texels.image` gives it the value of the nearest mapped texel.
 
 Any range of rows has the same bytes as those rows of the whole page.
@@ -25,6 +25,9 @@ from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
 from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
+
+EXACT_PX = 4.0
+"""A good distance beyond which gutter texels share places: bilinear lookup in mips 0 to 2 reads none of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +55,8 @@ class Texels:
         gutter.
     turn_rad : (t,) float32
         Rotation that carries directions from the frame of `host` into the frame of the point's face.
+    source : (t,) int32
+        Row of the texel whose point and footprint each has: its own, but in blocks of the far gutter that of the first.
     """
 
     width: int
@@ -63,6 +68,7 @@ class Texels:
     core: NDArray[np.bool_]
     host: NDArray[np.int32]
     turn_rad: NDArray[np.float32]
+    source: NDArray[np.int32]
     _corner_px: NDArray[np.float64] = field(repr=False)
 
     def __len__(self) -> int:
@@ -140,6 +146,7 @@ def texels(
     resolution: int,
     *,
     gutter_px: int | None = None,
+    exact_px: float = np.inf,
     rows: tuple[int, int] | None = None,
     threads: int | None = None,
     tick: Tick | None = None,
@@ -156,6 +163,8 @@ def texels(
         Side of the page in texels.
     gutter_px : int, optional
         Width of the gutter in texels; the atlas' own without it, or 16 where it has none.
+    exact_px : float
+        Distance from edges, in texels, beyond which two by two gutter texels share the place between them.
     rows : (int, int), optional
         First row and one past the last; the whole page without it.
     threads : int, optional
@@ -173,7 +182,7 @@ def texels(
     InputError
         If the atlas has other faces than the surface, or the rows lie outside the page.
     """
-    from surftex.kernels.gutter import continue_band, nearest_edge_band
+    from surftex.kernels.gutter import continue_band, find_leaders, nearest_edge_band
     from surftex.kernels.raster import raster_band
 
     if len(atlas.corner_uv) != len(surface.faces):
@@ -204,7 +213,7 @@ def texels(
         shape = (bottom - top, resolution)
         face, weight = np.full(shape, -1, np.int32), np.zeros((*shape, 3))
         raster_band(corner, frozen(face_item[face_start[band] : face_start[band + 1]]), top, face, weight)
-        host, turn, core = face.copy(), np.zeros(shape), face >= 0
+        host, turn, core, follows = face.copy(), np.zeros(shape), face >= 0, np.zeros(shape, bool)
         if radius > 0:
             near, square, owner = (
                 np.full(shape, np.inf),
@@ -223,21 +232,29 @@ def texels(
                 edge_side,
                 top,
                 owner,
+                near,
+                float(exact_px),
                 face,
                 weight,
                 host,
                 turn,
+                follows,
             )
         keep = slice(max(first, top) - top, min(last, bottom) - top)
         mapped = face[keep] >= 0
         index = np.flatnonzero(mapped) + max(first, top) * resolution
-        return (index, *(part[keep][mapped] for part in (face, weight, core, host, turn.astype(np.float32))))
+        return (
+            index,
+            *(part[keep][mapped] for part in (face, weight, core, host, turn.astype(np.float32), follows)),
+        )
 
     bands = -(-last // BAND_ROWS) - first // BAND_ROWS
     found = slices(work, bands, size=1, threads=threads, tick=tick)
     parts = [list(part) for part in zip(*found, strict=True)]
     found.clear()  # each column goes as soon as it is joined, so that the page is never held twice
-    texel, face, weight, core, host, turn = (_joined(part) for part in parts)
+    texel, face, weight, core, host, turn, follows = (_joined(part) for part in parts)
+    source = np.zeros(len(texel), np.int32)
+    find_leaders(texel, resolution, follows, source)
     jacobian = atlas.jacobian_mm(surface, resolution)
     side = np.sqrt(np.abs(jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]))
     return Texels(
@@ -250,6 +267,7 @@ def texels(
         core=core,
         host=host,
         turn_rad=turn,
+        source=source,
         _corner_px=corner,
     )
 

@@ -2,7 +2,7 @@
 
 import math
 
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
 
 
 @kernel
@@ -53,6 +53,19 @@ def nearest_edge_band(corner, edge_face, edge_side, candidate, radius, first_row
                     owner[r, c] = e
 
 
+@part
+def _is_far_block(owner, near, exact, r, c):
+    """Tell whether (r, c) is the first of two by two gutter texels that are all farther off than `exact`."""
+    rows, width = owner.shape
+    if r % 2 == 1 or c % 2 == 1 or r + 1 == rows or c + 1 == width:
+        return False
+    for k in range(4):
+        y, x = r + k // 2, c + k % 2
+        if owner[y, x] < 0 or near[y, x] <= exact * exact:
+            return False
+    return True
+
+
 @kernel
 def continue_band(
     corner,
@@ -64,10 +77,13 @@ def continue_band(
     edge_side,
     first_row,
     owner,
+    near,
+    exact,
     face,
     weight,
     host,
     turn,
+    follows,
 ):
     """Walk from the nearest chart edge of every gutter texel straight on over the surface.
 
@@ -75,17 +91,21 @@ def continue_band(
     from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
     mesh it goes on along the border, and ends on it. face, host (rows, width) int32, weight (rows, width, 3), turn
     (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face
-    left, and the turn from its frame into the reached one's.
+    left, and the turn from its frame into the reached one's. Where two by two texels are all farther than `exact`
+    from their edges, near (rows, width) float64 being the squares, they share the place of the corner between them, and
+    all but the first get follows (rows, width) bool.
     """
     rows, width = owner.shape
     for r in range(rows):
         for c in range(width):
             e = owner[r, c]
-            if e < 0:
+            if e < 0 or follows[r, c]:
                 continue
             f, i = edge_face[e], edge_side[e]
             j = (i + 1) % 3
-            px, py = c + 0.5, r + 0.5 + first_row
+            shares = _is_far_block(owner, near, exact, r, c)
+            middle = 1.0 if shares else 0.5
+            px, py = c + middle, r + middle + first_row
             ax, ay = corner[f, i, 0], corner[f, i, 1]
             dx, dy = corner[f, j, 0] - ax, corner[f, j, 1] - ay
             squared = dx * dx + dy * dy
@@ -170,6 +190,35 @@ def continue_band(
             face[r, c], host[r, c] = g, f
             weight[r, c, 0], weight[r, c, 1], weight[r, c, 2] = w0 / total, w1 / total, w2 / total
             turn[r, c] = math.atan2(sine, cosine)
+            for k in range(1, 4 if shares else 1):
+                y, x = r + k // 2, c + k % 2
+                face[y, x], host[y, x], turn[y, x], follows[y, x] = g, f, turn[r, c], True
+                weight[y, x, 0], weight[y, x, 1], weight[y, x, 2] = (
+                    weight[r, c, 0],
+                    weight[r, c, 1],
+                    weight[r, c, 2],
+                )
+
+
+@kernel
+def find_leaders(texel, width, follows, source):
+    """Find the first texel of the block that each follows, for texel (t,) int64 ascending, follows (t,) bool.
+
+    -> source (t,) int32: its row; a texel's own where it follows none, or the first is not among them.
+    """
+    j = 0
+    for i in range(len(texel)):
+        source[i] = i
+        if follows[i]:
+            place = texel[i]
+            row, column = place // width, place % width
+            first = (row - row % 2) * width + column - column % 2
+            if row % 2 == 1:
+                while texel[j] < first:
+                    j += 1
+            leader = j if row % 2 == 1 else max(i - 1, 0)
+            if texel[leader] == first:
+                source[i] = leader
 
 
 @kernel

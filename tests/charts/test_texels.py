@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
 from surftex.charts.atlas import Atlas
 from surftex.charts.texels import texels
@@ -45,6 +46,40 @@ def test_gutter_shows_what_lies_beyond_the_seam():
     np.testing.assert_allclose(found[beyond], np.clip(expected, 0, 10)[beyond], atol=0.4)
 
 
+def test_far_gutter_texels_share_the_place_between_them():
+    sheet, atlas, *_ = cut_plane()
+    exact = texels(sheet, atlas, SIDE, gutter_px=12)
+    page = texels(sheet, atlas, SIDE, gutter_px=12, exact_px=4.0)
+    np.testing.assert_array_equal(page.texel, exact.texel)
+    np.testing.assert_array_equal(exact.source, np.arange(len(exact)))
+    leads = page.source == np.arange(len(page))
+    row, column = page.texel // SIDE, page.texel % SIDE
+    leader = page.source[~leads]
+    assert (~leads).sum() > 1000
+    assert leads[leader].all()
+    np.testing.assert_array_equal(page.texel[leader], ((row - row % 2) * SIDE + column - column % 2)[~leads])
+    np.testing.assert_array_equal(np.bincount(leader)[np.unique(leader)], 3)
+    np.testing.assert_array_equal(page.points.face, page.points.face[page.source])
+    np.testing.assert_array_equal(page.points.barycentric, page.points.barycentric[page.source])
+    place, alone = page.points.positions(sheet), exact.points.positions(sheet)
+    shared = np.zeros(len(page), bool)
+    shared[leader] = shared[~leads] = True
+    np.testing.assert_array_equal(place[~shared], alone[~shared])
+    assert not shared[_away_px(exact) <= 3].any()
+    four = np.stack([alone[(page.source == first) & shared].mean(axis=0) for first in np.unique(leader)])
+    middle = np.linalg.norm(place[np.unique(leader)] - four, axis=1)
+    assert (
+        np.quantile(middle, 0.9) < 1e-9
+    )  # but where the four lie beyond different edges, or beyond the border
+
+
+def _away_px(page):
+    """Texels between each texel and the core."""
+    core = np.zeros((SIDE, SIDE), bool)
+    core.ravel()[page.texel[page.core]] = True
+    return distance_transform_edt(~core).ravel()[page.texel]
+
+
 def test_turn_carries_directions_from_host_to_face():
     sheet, atlas, *_ = cut_plane()
     page = texels(sheet, atlas, SIDE)
@@ -65,10 +100,11 @@ def test_jacobian_turns_texels_into_millimetres():
     np.testing.assert_allclose(page.footprint_mm, 1 / (scale * SIDE), rtol=1e-6)
 
 
-def test_same_bytes_for_any_threads_and_rows():
+@pytest.mark.parametrize("exact_px", [np.inf, 2.0])
+def test_same_bytes_for_any_threads_and_rows(exact_px):
     surface = torus(columns=30, rows=15)
     atlas = unwrap(surface, method="uvunwrap", resolution=200)
-    whole = texels(surface, atlas, 200, threads=1)
+    whole = texels(surface, atlas, 200, exact_px=exact_px, threads=1)
     fields = {
         "texel": lambda t: t.texel,
         "face": lambda t: t.points.face,
@@ -78,8 +114,9 @@ def test_same_bytes_for_any_threads_and_rows():
         "host": lambda t: t.host,
         "turn": lambda t: t.turn_rad,
     }
-    again = texels(surface, atlas, 200, threads=3)
-    parts = [texels(surface, atlas, 200, rows=rows) for rows in ((0, 37), (37, 128), (128, 129), (129, 200))]
+    again = texels(surface, atlas, 200, exact_px=exact_px, threads=3)
+    bounds = ((0, 37), (37, 128), (128, 129), (129, 200))
+    parts = [texels(surface, atlas, 200, exact_px=exact_px, rows=rows) for rows in bounds]
     for name, take in fields.items():
         assert take(again).tobytes() == take(whole).tobytes(), name
         assert np.concatenate([take(part) for part in parts]).tobytes() == take(whole).tobytes(), name
