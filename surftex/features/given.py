@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError
+from surftex.features.crowding import refuse_crowds
 from surftex.features.curves import curve_pieces
 from surftex.surface.surface import Surface
 
@@ -74,6 +75,11 @@ def check_given(surface: Surface, features: Mapping[str, NDArray[Any]]) -> None:
             _refuse((table["curve"] < 0) | (table["curve"] >= len(table)), kind, "curve",
                     f"is none of 0 to {len(table) - 1}")  # fmt: skip
             _check_curves(surface, kind, table)
+        if "corner" in names and "particle" in features:
+            most = len(features["particle"])
+            _refuse((table["corner"] < -1) | (table["corner"] >= most), kind, "corner",
+                    f"is none of the {most} particles")  # fmt: skip
+    refuse_crowds(surface, features)
 
 
 def _check_curves(surface: Surface, kind: str, table: NDArray[Any]) -> None:

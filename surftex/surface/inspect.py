@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surftex.surface.surface import Surface
 
@@ -109,6 +110,33 @@ class Description:
         return asdict(self)
 
 
+def euler_characteristics(surface: Surface) -> NDArray[np.int64]:
+    """Count vertices less edges plus faces, component by component.
+
+    Parameters
+    ----------
+    surface : Surface
+        Any.
+
+    Returns
+    -------
+    characteristic : (components,) int64
+        2 for a ball, 1 for a disk, 0 for a ring or a torus.
+
+    Examples
+    --------
+    >>> from surftex.surface.shapes import plane
+    >>> euler_characteristics(plane())
+    array([1])
+    """
+    count = int(surface.component.max()) + 1
+    of_vertex = np.zeros(len(surface.vertices), np.int32)
+    of_vertex[surface.faces] = surface.component[:, None]
+    faces = np.bincount(surface.component, minlength=count)
+    sides = np.bincount(surface.component, (surface.neighbor < 0).sum(axis=1), minlength=count)
+    return np.bincount(of_vertex, minlength=count) - (3 * faces + sides.astype(np.int64)) // 2 + faces
+
+
 def describe(surface: Surface) -> Description:
     """Measure a surface.
 
@@ -136,7 +164,7 @@ def describe(surface: Surface) -> Description:
     components = int(component.max()) + 1
     open_ = np.zeros(components, bool)
     open_[component[border.any(axis=1)]] = True
-    euler = len(surface.vertices) - edges + len(surface.faces)
+    euler = int(euler_characteristics(surface).sum())
     loops = surface.border_loops
     a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
     volume = float(np.einsum("fi,fi->", a, np.cross(b, c))) / 6

@@ -135,3 +135,58 @@ def test_features_of_another_mesh_are_a_line():
         sx.bake(BALL, leather, resolution=16, maps="height", features=given, max_features=10)
     with pytest.raises(InputError, match="do not fit skin"):
         sx.bake(BALL, sx.Skin(freckle_count=1), resolution=16, maps="height", features={"freckle": rows()})
+
+
+def crowd(count, spread, size=1.0):
+    """Cells around one place of a face: on it where the spread is 0, else that share of the face apart."""
+    away, turn = spread / 5 * np.sqrt((np.arange(count) + 0.5) / count), np.arange(count) * 2.4
+    share = 1 / 3 + away[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    table = np.zeros(count, [("face", "i4"), ("barycentric", "f8", 3), ("major_mm", "f8"), ("minor_mm", "f8"),
+                             ("angle_rad", "f8")])  # fmt: skip
+    table["face"], table["major_mm"], table["minor_mm"] = 7, size, size
+    table["barycentric"] = np.column_stack([share, 1 - share.sum(axis=1)])
+    return table
+
+
+def test_cells_at_one_place_are_refused_and_so_are_crowns():
+    pair = crowd(3, 0.5)
+    pair[2] = pair[0]
+    for kind in ("cell", "crown"):
+        with pytest.raises(
+            InputError, match=rf"^{kind}: rows 0 and 2 lie at one place \(1 such row\).*place anew"
+        ):
+            check_given(BALL, {kind: pair})
+        with pytest.raises(InputError, match=r"rows 0 and 1 lie at one place \(4999 such rows\)"):
+            check_given(BALL, {kind: crowd(5000, 0.0)})
+    check_given(BALL, {"cell": crowd(3, 0.5)})
+
+
+def test_pores_may_coincide_but_not_by_the_hundred():
+    check_given(BALL, {"pore": crowd(100, 0.0), "pocket": crowd(4, 0.0), "freckle": crowd(100, 0.0)})
+    with pytest.raises(InputError, match=r"^pore: 101 rows lie at one place, the first is row 0"):
+        check_given(BALL, {"pore": crowd(101, 0.0)})
+
+
+@pytest.mark.parametrize("size", [0.3, 1.0, 500.0])
+def test_cells_far_closer_than_their_size_are_refused_at_once(size):
+    """Their flood would leave a record of every one of them in every face around."""
+    edge = float(BALL.edge_length.mean())
+    many = crowd(5000, 1e-3, size)
+    with pytest.raises(
+        InputError, match=rf"^cell: \d+ rows crowd within .* mm, .* of {size:g} mm, .* place anew"
+    ):
+        check_given(BALL, {"cell": many})
+    check_given(BALL, {"cell": crowd(5000, 1.0, edge / 40)})
+    many["major_mm"] = many["minor_mm"] = np.geomspace(size, 30 * size, len(many))
+    with pytest.raises(InputError, match=r"^cell: \d+ rows crowd within"):
+        check_given(BALL, {"cell": many})
+
+
+def test_grown_cells_name_particles_that_are_there():
+    table = np.zeros(2, [("face", "i4"), ("barycentric", "f8", 3), ("corner", "i4", 4)])
+    table["barycentric"], table["face"], table["corner"] = 1 / 3, [1, 2], [0, 1, 2, -1]
+    particles = crowd(3, 0.5)
+    check_given(BALL, {"cell": table, "particle": particles})
+    table["corner"][1, 2] = 3
+    with pytest.raises(InputError, match="corner of row 1 is none of the 3 particles"):
+        check_given(BALL, {"cell": table, "particle": particles})

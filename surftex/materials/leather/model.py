@@ -297,8 +297,9 @@ class Leather(Checked):
         RecipeError
             If the surface would hold more than `max_features`, an expression does not fit, or `features` lack a kind.
         """
+        from surftex.materials.leather.given import refuse_lacking
         from surftex.materials.leather.pattern import LeatherPattern
-        from surftex.materials.leather.skeleton import place, refuse_lacking
+        from surftex.materials.leather.skeleton import place
 
         records = None
         if features is None:

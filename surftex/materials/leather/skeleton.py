@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +27,6 @@ from surftex.surface.surface import Surface
 
 PORE_PER_MM2 = 400.0
 """Highest density of pores that an expression may reach."""
-
-_SURELY = 30
-"""Where so many are to be expected, or there are so many cells, some are."""
 
 _PATCH, _SPREAD = 4.0, 1.8
 """Wavelength of the sizes in cells, and what makes noise reach -1 and 1 now and then."""
@@ -118,41 +115,6 @@ def place(
         features["crown"] = point_table(crowns.points)
     told(1.0)
     return features, records
-
-
-def refuse_lacking(leather: Leather, surface: Surface, features: Mapping[str, NDArray]) -> None:
-    """Refuse features in which a kind is missing that the leather surely has.
-
-    Parameters
-    ----------
-    leather : Leather
-        What they are for.
-    surface : Surface
-        Where they lie.
-    features : mapping of str to structured array
-        From an earlier `place`.
-
-    Raises
-    ------
-    RecipeError
-        Naming the kind and the parameter.
-    """
-    density = 0.0 if isinstance(leather.pore_density, str) else leather.pore_density
-    for kind, key, expected in (
-        ("pore", "pore_density", density * surface.area_mm2 / leather.pore_group > _SURELY),
-        ("wrinkle", "wrinkle_count", leather.wrinkle_count > 0 and len(features.get("cell", ())) > _SURELY),
-        ("crown", "crown_spacing", leather.crown_spacing > 0),
-    ):
-        if expected and not len(features.get(kind, ())):
-            raise RecipeError(
-                f"{key} is {getattr(leather, key):g}, and the features hold no {kind}; were they placed by another recipe?"
-            )
-    lines = features.get("wrinkle")
-    if leather.wrinkle_curves is not None and (lines is None or "width_mm" not in (lines.dtype.names or ())):
-        raise RecipeError(
-            f"wrinkle_curves is {leather.wrinkle_curves!r}, and the features hold no drawn wrinkle; were they placed by "
-            "another recipe?"
-        )
 
 
 def refuse_too_many(
