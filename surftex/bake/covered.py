@@ -48,9 +48,13 @@ def covered_bodies(surface: Surface, fields: FieldSet, mask: str | float) -> NDA
     count = int(surface.component.max()) + 1
     if mask == 1:
         return np.ones(count, bool)
-    high = fields.scalar(mask).span()[1]
-    covered = np.zeros(count, bool)
+    field, covered, surely = fields.scalar(mask), np.zeros(count, bool), np.zeros(count, bool)
+    low, high = field.span()
     covered[surface.component[high > 0]] = True
+    surely[surface.component[low > 0]] = True
+    if field.narrow is not None and (covered & ~surely).any():
+        covered[:] = False
+        covered[surface.component[field.narrow()[1] > 0]] = True
     return covered
 
 

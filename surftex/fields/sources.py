@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from surftex.errors import RecipeError
 from surftex.fields.noise import Noise
-from surftex.fields.spans import Span, over_corners, over_pixels
+from surftex.fields.spans import Pixels, Span, over_corners
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -31,10 +31,13 @@ class SpannedField:
         What it is at points.
     span : callable
         ``span()`` gives the least and the greatest value possible on each of the m faces, (m,) each.
+    narrow : callable, optional
+        The same, narrower where that takes time; without it `span` is as narrow as is known.
     """
 
     value: Field
     span: Callable[[], Span]
+    narrow: Callable[[], Span] | None = None
 
     def __call__(self, points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
         """Evaluate at points."""
@@ -312,7 +315,7 @@ def image_field(
         if not pixels.any():
             raise RecipeError(f"no pixel of {name} has the label {label}")
     corner_uv, (height, width) = surface.corner_uv, pixels.shape
-    low, high = over_pixels(corner_uv, pixels)
+    low, high = Pixels(pixels).over(corner_uv)
     if low.min() == high.max() and pixels.min() < pixels.max():
         raise RecipeError(
             f"{name} varies, but is {low[0]:g} wherever {surface.name} has UVs; was it painted for another mesh?"
@@ -332,4 +335,4 @@ def image_field(
         lower = pixels[below, i] * (1 - across) + pixels[below, right] * across
         return upper * (1 - down) + lower * down
 
-    return SpannedField(field, lambda: (low, high))
+    return SpannedField(field, lambda: (low, high), lambda: Pixels(pixels).within(corner_uv))

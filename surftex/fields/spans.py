@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 Span = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Lower and upper ends, (m,) or () each, never NaN; an end may be infinite."""
 
+_SMALL_PX = 0.5
+"""Size of pieces that are not cut any further."""
+
 SpanRule = Callable[..., Span]
 """From the spans of some arguments to the span of a function of them."""
 
@@ -314,40 +317,105 @@ def over_corners(values: NDArray[np.float64]) -> Span:
     return values.min(axis=1), values.max(axis=1)
 
 
-def over_pixels(corner_uv: NDArray[np.float64], pixels: NDArray[np.float64]) -> Span:
-    """Give the span of a picture, read bilinearly and repeated, inside the triangles of an unwrap.
+class Pixels:
+    """A picture, read bilinearly and repeated, with its extremes over blocks of 1, 2, 4, ... pixels.
 
     Parameters
     ----------
-    corner_uv : (m, 3, 2) float64
-        v up.
     pixels : (h, w) float64
         Row 0 on top.
-
-    Returns
-    -------
-    span : Span
-        Of every pixel in and around each triangle's box, or more.
     """
-    height, width = pixels.shape
-    u = corner_uv[..., 0] * width - 0.5
-    v = (1 - corner_uv[..., 1]) * height - 0.5
-    first_column, last_column = _reached(u, width)
-    first_row, last_row = _reached(v, height)
-    size = np.maximum(last_column - first_column, last_row - first_row) + 1
-    level = np.ceil(np.log2(np.maximum(size, 1))).astype(np.int64)
-    low, high = np.full(len(corner_uv), np.inf), np.full(len(corner_uv), -np.inf)
-    least = most = pixels
-    for each in range(int(level.max()) + 1):
-        rows = np.flatnonzero(level == each)
-        i, j = first_row[rows] >> each, first_column[rows] >> each
-        for down, across in itertools.product((0, 1), (0, 1)):
-            r = np.minimum(i + down, last_row[rows] >> each)
-            c = np.minimum(j + across, last_column[rows] >> each)
-            low[rows] = np.minimum(low[rows], least[r, c])
-            high[rows] = np.maximum(high[rows], most[r, c])
-        least, most = _halved(least, np.minimum), _halved(most, np.maximum)
-    return low, high
+
+    def __init__(self, pixels: NDArray[np.float64]) -> None:
+        self.shape = pixels.shape
+        self._levels = [(pixels, pixels)]
+
+    def over(self, corner_uv: NDArray[np.float64]) -> Span:
+        """Give the span inside the triangles of an unwrap.
+
+        Parameters
+        ----------
+        corner_uv : (m, 3, 2) float64
+            v up.
+
+        Returns
+        -------
+        span : Span
+            Of every pixel in and around each triangle's box, or more.
+        """
+        height, width = self.shape
+        first_column, last_column = _reached(corner_uv[..., 0] * width - 0.5, width)
+        first_row, last_row = _reached((1 - corner_uv[..., 1]) * height - 0.5, height)
+        size = np.maximum(last_column - first_column, last_row - first_row) + 1
+        level = np.ceil(np.log2(np.maximum(size, 1))).astype(np.int64)
+        low, high = np.full(len(corner_uv), np.inf), np.full(len(corner_uv), -np.inf)
+        for each in range(int(level.max(initial=-1)) + 1):
+            rows = np.flatnonzero(level == each)
+            least, most = self._level(each)
+            i, j = first_row[rows] >> each, first_column[rows] >> each
+            for down, across in itertools.product((0, 1), (0, 1)):
+                r = np.minimum(i + down, last_row[rows] >> each)
+                c = np.minimum(j + across, last_column[rows] >> each)
+                low[rows] = np.minimum(low[rows], least[r, c])
+                high[rows] = np.maximum(high[rows], most[r, c])
+        return low, high
+
+    def within(self, corner_uv: NDArray[np.float64], most_pieces: int = 1 << 19) -> Span:
+        """Give the span inside triangles, of the pixels along their sides and not of all in their boxes.
+
+        Parameters
+        ----------
+        corner_uv : (m, 3, 2) float64
+            v up.
+        most_pieces : int
+            Pieces of triangles that are looked at in a round; where there would be more, their boxes count.
+
+        Returns
+        -------
+        span : Span
+            At most as wide as that of `over`.
+        """
+        low, high = self.over(corner_uv)
+        face = np.flatnonzero(low < high)
+        piece = corner_uv[face]
+        low[face], high[face] = np.inf, -np.inf
+        while len(face):
+            least, most = self.over(piece)
+            size = np.ptp(piece, axis=1) * self.shape[::-1]
+            cut = (least < most) & (size > _SMALL_PX).any(axis=1)
+            if 4 * np.count_nonzero(cut) > most_pieces:
+                cut[:] = False
+            small = np.flatnonzero(~cut & (size <= _SMALL_PX).all(axis=1))
+            least[small], most[small] = self._around(piece[small])
+            np.minimum.at(low, face[~cut], least[~cut])
+            np.maximum.at(high, face[~cut], most[~cut])
+            whole, face = piece[cut], np.repeat(face[cut], 4)
+            middle = (whole + np.roll(whole, -1, axis=1)) / 2
+            corners = [np.stack([whole[:, i], middle[:, i], middle[:, i - 1]], axis=1) for i in range(3)]
+            piece = np.stack([*corners, middle], axis=1).reshape(-1, 3, 2)
+        return low, high
+
+    def _around(self, corner_uv: NDArray[np.float64]) -> Span:
+        """Extremes of the three by three pixels, at the most, that triangles of less than a pixel read."""
+        height, width = self.shape
+        pixels = self._levels[0][0]
+        column = np.floor(corner_uv[..., 0] * width - 0.5).astype(np.int64)
+        row = np.floor((1 - corner_uv[..., 1]) * height - 0.5).astype(np.int64)
+        steps = itertools.product(range(3), range(3))
+        read = [
+            pixels[
+                np.minimum(row.min(axis=1) + down, row.max(axis=1) + 1) % height,
+                np.minimum(column.min(axis=1) + across, column.max(axis=1) + 1) % width,
+            ]
+            for down, across in steps
+        ]
+        return np.min(read, axis=0), np.max(read, axis=0)
+
+    def _level(self, number: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        while len(self._levels) <= number:
+            least, most = self._levels[-1]
+            self._levels.append((_halved(least, np.minimum), _halved(most, np.maximum)))
+        return self._levels[number]
 
 
 def _reached(place: NDArray[np.float64], count: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -12,6 +12,8 @@ from surftex.bake.covered import BodiesTick, OnBodies, covered_bodies, fields_on
 from surftex.bake.fields import make_fields
 from surftex.bake.stack import layer_seed, place_layer, place_stack
 from surftex.features.uniform import area_points
+from surftex.fields.fieldset import FieldSet
+from surftex.fields.sources import image_field
 from surftex.kernels.pool import PartTick
 from surftex.preview.live import Live
 from surftex.randomness import stream
@@ -103,6 +105,16 @@ near = { distance_to = "part('b') * (y > 1)" }"""
     points = area_points(WHOLE, stream(0, "look").uniform(4000, 3))
     seen = fields.scalar(made.layer[1].mask)(points) > 0
     assert covered[WHOLE.component[points.face[seen]]].all()
+
+
+@pytest.mark.parametrize(("black_mm", "covers"), [(9.3, "bc"), (8.0, "abc")])
+def test_pictures_that_are_white_close_by_leave_out_a_body(black_mm, covers):
+    at = (np.arange(1400) + 0.5) / 20 - 10  # mm along x, as the UVs have it; rows go down
+    white = np.hypot(at, at[::-1, None]) > black_mm
+    fields = FieldSet(WHOLE, {"picture": image_field(WHOLE, white.astype(float))})
+    assert (fields.scalar("picture").span()[1] > 0)[WHOLE.part == 0].any()
+    covered = covered_bodies(WHOLE, fields, "0.5 * picture")
+    assert {name for name in "abc" if covered[NUMBER[name]]} == {*covers}
 
 
 @pytest.mark.parametrize("preset", ALONE)
