@@ -3,8 +3,11 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from surftex.bake.locating import located
 from surftex.bake.stack import layer_seed
-from surftex.errors import SurftexError
+from surftex.errors import SurftexError, naming
+from surftex.features.poisson import expected_sites
+from surftex.fields.fieldset import FieldSet
 from surftex.kernels.pool import thread_count
 from surftex.paged import in_file
 from surftex.recipe.model import Recipe
@@ -13,15 +16,26 @@ from surftex.surface.surface import Surface
 COVERAGE = 0.62
 """Share of a page that charts cover, as unwraps come out."""
 
-_CELLS = 0.84
-"""Cells per square of the cell size, as full Poisson-disk sets come out."""
+_SIZES = {
+    "leather": ("cell", "cell_size"),
+    "cells": ("grown cell", "cell_size"),
+    "composite": ("pixel", "pixel_size"),
+}
+"""What lies as densely as its size allows, by material, and the parameter that tells its size."""
 
-_CPU_S_PER = {"face": 6.0e-5, "cell": 1.2e-4, "texel": 7.0e-7}
+_OVER_DISKS = {"cell": 1.0, "grown cell": 2.6, "pixel": 1.43}
+"""How many there are for each site of a full Poisson-disk set of that size: measured, and by definition for pixels."""
+
+_BEYOND = 1e15
+
+_CPU_S_PER = {"face": 6.0e-5, "cell": 1.2e-4, "grown cell": 3.6e-4, "pixel": 1.7e-4, "texel": 7.0e-7}
 _START_S = 2.0
 _BYTES_PER = {
     "face": 1500,
     "face among cells": 4200,
     "cell": 4400,
+    "grown cell": 4000,
+    "pixel": 700,
     "texel": 69,
     "paged texel": 8,
     "tile texel": 66,
@@ -31,7 +45,7 @@ _BYTES_PER = {
 _START_MB = 300.0
 
 
-def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
+def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = None) -> dict[str, Any]:
     """Estimate the cost of a bake at several resolutions.
 
     Parameters
@@ -39,30 +53,41 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
     surface : Surface
         What would be baked.
     material : str
-        Name of a leather preset with a plain cell size.
+        Name of a preset, or the path of a recipe.
+    recipe : Recipe, optional
+        That recipe, where it is read already.
 
     Returns
     -------
     cost : dict
-        ``material``, ``cells``, ``max_features``, ``threads``, and ``pages``: for each ``resolution``
-        ``texels_per_mm``, ``texels_per_cell``, ``seconds`` of wall time, ``memory_mb``, and ``disk_mb`` of pages that lie
-        in temporary files; ``warnings``: where its cells fit neither the mesh nor the usual page.
-    """
-    from surftex.bake.scales import size_warnings
-    from surftex.materials.leather.model import Leather
+        ``material``; ``cells`` (grown ones and pixels too; ``placed`` tells them apart); ``made_of``: what the lowest layer
+        is made of first; ``finest``: ``kind`` and ``mm`` of the finest of the material; ``suggested_resolution``, at which
+        that is two texels wide (None where no usual page would do), and ``suggested_texels_per_mm``; ``max_features``;
+        ``threads``; and ``pages``: for each ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``),
+        ``seconds`` of wall time, ``memory_mb``, and ``disk_mb`` of pages that lie in temporary files; ``warnings``: where
+        its cells fit neither the mesh nor the usual page. What is not known before a bake is None.
 
-    recipe = Recipe.of(Leather.preset(material))
-    size_mm = float(Leather.preset(material).cell_size)
-    cells = max(1, round(_CELLS * surface.area_mm2 / size_mm**2))
-    most = recipe.bake.max_features
+    Raises
+    ------
+    RecipeError
+        If there is no such material, or it does not fit the mesh.
+    """
+    from surftex.bake.scales import density_for, finest_kind, side_for, size_warnings
+    from surftex.recipe.read import recipe_for
+
+    recipe = recipe or recipe_for(material)
+    counts = _placed(recipe, _grounds(recipe, surface))
+    known = getattr(recipe.layer[0].material, "wavelengths_mm", dict)()
+    made_of, size_mm = next(((kind, size) for kind, size in known.items() if size > 0), (None, None))
+    finest = finest_kind(recipe)
     threads, faces = thread_count(None), len(surface.faces)
     pages = [
         {
             "resolution": side,
             "texels_per_mm": round(_density(surface, side), 4),
-            "texels_per_cell": round(_density(surface, side) * size_mm, 3),
-            "seconds": round(_START_S + _cpu_s(faces, cells, side) / (0.8 * threads + 0.2), 1),
-            "memory_mb": _memory_mb(faces, cells, side),
+            "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
+            "seconds": round(_START_S + _cpu_s(faces, counts, side) / (0.8 * threads + 0.2), 1),
+            "memory_mb": _memory_mb(faces, counts, side),
             "disk_mb": _disk_mb(side),
         }
         for side in (1024, 2048, 4096, 8192)
@@ -71,12 +96,63 @@ def bake_cost(surface: Surface, material: str = "calf") -> dict[str, Any]:
     warnings = size_warnings(recipe, surface.longest_side_mm, _density(surface, side), side)
     return {
         "material": material,
-        "cells": cells,
+        "cells": sum(counts.values()),
+        "placed": counts,
+        "made_of": made_of,
+        "finest": None if finest is None else {"kind": finest[0], "mm": round(finest[1], 4)},
+        "suggested_resolution": None if finest is None else side_for(finest[1], _density(surface, 1)),
+        "suggested_texels_per_mm": None if finest is None else density_for(finest[1]),
         "threads": threads,
-        "max_features": most,
+        "max_features": recipe.bake.max_features,
         "pages": pages,
         "warnings": list(warnings),
     }
+
+
+def _grounds(recipe: Recipe, surface: Surface) -> list[tuple[Surface, FieldSet] | None]:
+    """Find what each layer lies on, with the fields there; None where its mask covers nothing."""
+    from surftex.bake.covered import fields_on
+    from surftex.bake.fields import make_fields
+    from surftex.bake.stack import layer_cover
+    from surftex.surface.bodies import Bodies
+
+    fields = make_fields(recipe, surface)
+    grounds: list[tuple[Surface, FieldSet] | None] = []
+    for i in range(len(recipe.layer)):
+        covered = layer_cover(recipe, i, surface, fields)
+        if covered.all():
+            grounds.append((surface, fields))
+        elif covered.any():
+            bodies = Bodies.of(surface, covered)
+            grounds.append((bodies.surface, fields_on(bodies, fields)))
+        else:
+            grounds.append(None)
+    return grounds
+
+
+def _placed(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> dict[str, int]:
+    """Estimate how many cells, grown cells and pixels lie on the grounds; other features cost little beside them."""
+    counts: dict[str, int] = {}
+    for i, (layer, found) in enumerate(zip(recipe.layer, grounds, strict=True)):
+        if layer.kind not in _SIZES or found is None:
+            continue
+        surface, fields = found
+        kind, key = _SIZES[layer.kind]
+        with located(recipe, "layer", i, label=_label(recipe, i)):
+            sizes = [
+                fields.scalar(value) if isinstance(value, str) else value
+                for value in (getattr(layer.material, key), getattr(layer.material, "cell_ratio", 1.0))
+            ]
+            with naming(f"{layer.kind}.{key}"):
+                count = _OVER_DISKS[kind] * expected_sites(
+                    surface, sizes[0], sizes[1] if kind == "cell" else 1.0
+                )
+        counts[kind] = counts.get(kind, 0) + max(1, round(min(count, _BEYOND)))
+    return counts
+
+
+def _label(recipe: Recipe, index: int) -> str:
+    return "layer" if len(recipe.layer) == 1 else f"layer[{index + 1}]"
 
 
 def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
@@ -110,23 +186,19 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             if isinstance(found, SurftexError):
                 raise found
             tiles = _foreseen_tiles(recipe, found)
-            areas = _refuse_too_many(recipe, found)
+            grounds = _grounds(recipe, found)
+            _refuse_too_many(recipe, grounds)
+            counts = _placed(recipe, grounds)
         except SurftexError as problem:
             yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
         faces = len(found.faces)
-        sizes = [getattr(layer.material, "cell_size", None) for layer in recipe.layer]
-        cells = sum(
-            max(1, round(_CELLS * area_mm2 / size**2))
-            for size, area_mm2 in zip(sizes, areas, strict=True)
-            if isinstance(size, (int, float)) and area_mm2 > 0
-        )
         yield {
             "faces": faces,
-            "cells": cells,
+            "cells": sum(counts.values()),
             "tiles": tiles,
-            "seconds": round(_START_S + _cpu_s(faces, cells, side, tiles), 1),
-            "memory_mb": _memory_mb(faces, cells, side, tiles),
+            "seconds": round(_START_S + _cpu_s(faces, counts, side, tiles), 1),
+            "memory_mb": _memory_mb(faces, counts, side, tiles),
         }
 
 
@@ -141,38 +213,22 @@ def _foreseen_tiles(recipe: Recipe, surface: Surface) -> int:
     return len(Atlas.of(surface, surface.corner_uv).tiles) if own and surface.corner_uv is not None else 1
 
 
-def _refuse_too_many(recipe: Recipe, surface: Surface) -> list[float]:
-    """Refuse what a layer by itself would refuse for the number of its features; tell the mm^2 that each lies on."""
-    from surftex.bake.covered import fields_on
-    from surftex.bake.fields import make_fields
-    from surftex.bake.locating import located
-    from surftex.bake.stack import layer_cover
-    from surftex.surface.bodies import Bodies
-
-    fields, areas = make_fields(recipe, surface), []
-    for i, layer in enumerate(recipe.layer):
-        covered = layer_cover(recipe, i, surface, fields)
-        areas.append(float(surface.face_area_mm2[covered[surface.component]].sum()))
-        if not covered.any():
-            continue
-        ground, names = surface, fields
-        if not covered.all():
-            bodies = Bodies.of(surface, covered)
-            ground, names = bodies.surface, fields_on(bodies, fields)
+def _refuse_too_many(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> None:
+    """Refuse what a layer by itself would refuse for the number of its features."""
+    for i, (layer, found) in enumerate(zip(recipe.layer, grounds, strict=True)):
         refuse = getattr(layer.material, "refuse_too_many", None)
-        if refuse is not None:
-            with located(recipe, "layer", i, label="layer" if len(recipe.layer) == 1 else f"layer[{i + 1}]"):
+        if refuse is not None and found is not None:
+            with located(recipe, "layer", i, label=_label(recipe, i)):
                 seed = layer_seed(recipe.seed, i)
-                refuse(ground, seed, fields=names, max_features=recipe.bake.max_features)
-    return areas
+                refuse(found[0], seed, fields=found[1], max_features=recipe.bake.max_features)
 
 
 def _density(surface: Surface, side: int) -> float:
     return side * (COVERAGE / surface.area_mm2) ** 0.5
 
 
-def _cpu_s(faces: int, cells: int, side: int, tiles: int = 1) -> float:
-    work = {"face": faces, "cell": cells, "texel": side * side * tiles}
+def _cpu_s(faces: int, counts: dict[str, int], side: int, tiles: int = 1) -> float:
+    work = {"face": faces, **counts, "texel": side * side * tiles}
     return sum(_CPU_S_PER[key] * count for key, count in work.items())
 
 
@@ -182,14 +238,14 @@ def _disk_mb(side: int) -> int:
     return round(bytes_per * side * side / 1e6) if in_file((side, side)) else 0
 
 
-def _memory_mb(faces: int, cells: int, side: int, tiles: int = 1) -> int:
+def _memory_mb(faces: int, counts: dict[str, int], side: int, tiles: int = 1) -> int:
     from surftex.bake.pages import TILE_TEXELS
 
     texels = side * side
     work = {
         "face": faces,
-        "face among cells": faces if cells else 0,
-        "cell": cells,
+        "face among cells": faces if counts.get("cell") else 0,
+        **counts,
         "paged texel" if in_file((side, side)) else "texel": texels * tiles,
         "tile texel": min(texels, TILE_TEXELS),
     }

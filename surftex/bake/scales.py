@@ -52,15 +52,70 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
                 "unit wrong? --units and --size scale the mesh"
             )
         elif 0 < texels < LEAST_TEXELS:
-            needed = resolution * LEAST_TEXELS / texels
-            sides = [side for side in _RESOLUTIONS if side >= needed and recipe.bake.texels_per_mm is None]
-            would = [f"--resolution {side}" for side in sides[:1]]
-            would.append(f"--udim --texels-per-mm {np.ceil(20 * LEAST_TEXELS / wide_mm) / 20:g}")
+            side = (
+                None
+                if recipe.bake.texels_per_mm is not None
+                else side_for(wide_mm, texels_per_mm / resolution)
+            )
+            would = [] if side is None else [f"--resolution {side}"]
+            would.append(f"--udim --texels-per-mm {density_for(wide_mm):g}")
             found.append(
                 f"{label}{kind} of {wide_mm:.4g} mm are {texels:.2g} texels wide at {resolution}, too few to be seen; "
                 f"{' or '.join(would)} would do"
             )
     return tuple(found)
+
+
+def finest_kind(recipe: Recipe) -> tuple[str, float] | None:
+    """Tell the finest of what the layers of a recipe are made of.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        The layers.
+
+    Returns
+    -------
+    finest : (kind, wide_mm) or None
+        Such as pores and 0.14 mm; None where no size is known before a bake.
+    """
+    known = [getattr(layer.material, "wavelengths_mm", dict)() for layer in recipe.layer]
+    sizes = [(kind, size) for each in known for kind, size in each.items() if size > 0]
+    return min(sizes, key=lambda item: item[1], default=None)
+
+
+def side_for(wide_mm: float, per_mm: float) -> int | None:
+    """Tell the least page on which something is seen.
+
+    Parameters
+    ----------
+    wide_mm : float
+        How wide it is.
+    per_mm : float
+        Texels per millimetre and texel of the page's side.
+
+    Returns
+    -------
+    side : int or None
+        In texels; None where no usual page would do.
+    """
+    return next((side for side in _RESOLUTIONS if side * per_mm * wide_mm >= LEAST_TEXELS), None)
+
+
+def density_for(wide_mm: float) -> float:
+    """Tell the least density at which something is seen.
+
+    Parameters
+    ----------
+    wide_mm : float
+        How wide it is.
+
+    Returns
+    -------
+    texels_per_mm : float
+        In steps of a twentieth.
+    """
+    return float(np.ceil(20 * LEAST_TEXELS / wide_mm) / 20)
 
 
 def scale_report(

@@ -7,6 +7,11 @@ from typing import Any
 from surftex.cli.say import one_line, out
 from surftex.words import by_count
 
+_USUAL = "calf"
+"""What the cost is of, unless told."""
+
+_ONE = {"cells": "a cell", "pixels": "two pixels", "furrows": "a furrow"}
+
 
 def run(options: Namespace) -> None:
     """Load a mesh and describe it.
@@ -19,25 +24,31 @@ def run(options: Namespace) -> None:
     Raises
     ------
     SurftexError
-        If there is no surface in the file.
+        If there is no surface in the file, or no such material.
     """
     from surftex.bake.cost import bake_cost
     from surftex.bake.scales import scale_report
     from surftex.bake.unwrapping import own_uv_plan
     from surftex.files.meshes import load
-    from surftex.recipe.model import BakeSettings
+    from surftex.recipe.compose import composed
     from surftex.recipe.read import recipe_for
     from surftex.surface.inspect import describe
 
-    surface = load(options.subject, units=options.units, size=options.size, part=options.part)
+    material = options.material or _USUAL
+    scale = {key: getattr(options, key) for key in ("units", "size", "part")}
+    recipe = composed(recipe_for(material, allow_outside=options.allow_outside), options.subject, scale)
+    mesh = recipe.mesh
+    surface = load(options.subject, units=mesh.units, size=mesh.size, part=mesh.part)
     facts = describe(surface).as_dict()
-    facts["own_uv"]["plan"] = own_uv_plan(surface, BakeSettings())
-    cost = bake_cost(surface)
-    scales = scale_report(surface, recipe_for("skin"), recipe_for(cost["material"]))
+    facts["own_uv"]["plan"] = own_uv_plan(surface, recipe.bake)
+    cost = bake_cost(surface, material, recipe)
+    told = [recipe] if options.material else [recipe_for("skin"), recipe]
+    scales = scale_report(surface, *told)
+    under = material if options.material else "skin or leather"
     if options.json:
         out(json.dumps({**facts, "scales": scales, "cost": cost}, indent=1, ensure_ascii=False))
         return
-    out("\n".join(one_line(row) for row in [*_rows(facts, cost), *_scales(scales)]))
+    out("\n".join(one_line(row) for row in [*_rows(facts, cost), *_scales(scales, under)]))
 
 
 def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
@@ -61,11 +72,14 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
         f"part {part['name']!r}: {by_count(part['faces'], '{:,} face', '{:,} faces')}, {part['area_mm2']:,.5g} mm^2"
         for part in facts["parts"]
     ]
-    rows.append(
-        f"a bake of {cost['material']}: about {by_count(cost['cells'], '{:,} cell', '{:,} cells')}, "
-        f"on {by_count(cost['threads'], '{:,} thread', '{:,} threads')}"
-    )
-    rows += [_page(page) for page in cost["pages"]]
+    many = [
+        by_count(count, f"about {{:,}} {kind}", f"about {{:,}} {kind}s")
+        for kind, count in cost["placed"].items()
+    ]
+    threads = by_count(cost["threads"], "{:,} thread", "{:,} threads")
+    rows.append(f"a bake of {cost['material']}: {', '.join([*many, f'on {threads}'])}")
+    rows += [_page(page, cost["made_of"]) for page in cost["pages"]]
+    rows += _finest(cost)
     if cost["cells"] > cost["max_features"]:
         rows.append(f"  that is more than --max-features {cost['max_features']:,}: is the unit right?")
     rows += [f"  warning: {warning}" for warning in cost["warnings"]]
@@ -73,16 +87,29 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
     return rows
 
 
-def _scales(scales: dict[str, Any]) -> list[str]:
+def _scales(scales: dict[str, Any], under: str) -> list[str]:
     mesh = scales["mesh_mm"]
     told = "none, or not measured" if mesh is None else f"about {mesh:.3g} mm"
     rows = [f"finest relief of the mesh: {told}"]
-    return [*rows, f"  under skin or leather: {scales['note']}"] if scales["note"] else rows
+    return [*rows, f"  under {under}: {scales['note']}"] if scales["note"] else rows
 
 
-def _page(page: dict[str, Any]) -> str:
+def _finest(cost: dict[str, Any]) -> list[str]:
+    """Say what a page must show, and which would."""
+    if cost["finest"] is None:
+        return ["  finest of the material: not known before a bake"]
+    side, density = cost["suggested_resolution"], cost["suggested_texels_per_mm"]
+    would = f"--resolution {side}" if side else f"--udim --texels-per-mm {density:g}"
+    return [
+        f"  finest of the material: {cost['finest']['kind']} of {cost['finest']['mm']:.4g} mm; {would} shows them"
+    ]
+
+
+def _page(page: dict[str, Any], made_of: str | None) -> str:
     side = f"{page['resolution']:>5} x {page['resolution']:<5}"
-    density = f"{page['texels_per_mm']:8.3g} texels/mm {page['texels_per_cell']:8.3g} across a cell"
+    density = f"{page['texels_per_mm']:8.3g} texels/mm"
+    if page["texels_per_cell"] is not None:
+        density += f" {page['texels_per_cell']:8.3g} across {_ONE.get(str(made_of), made_of)}"
     disk = f", and {page['disk_mb']:,.0f} MB in temporary files" if page["disk_mb"] else ""
     return f"  {side} {density}   about {page['seconds']:.0f} s, {page['memory_mb']:,.0f} MB{disk}"
 

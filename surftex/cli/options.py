@@ -274,6 +274,14 @@ def _batch(parser: Parser) -> None:
 
 def _inspect(parser: Parser) -> None:
     parser.add_argument("subject", metavar="MESH", help="a mesh file")
+    parser.add_argument(
+        "--material",
+        metavar="NAME|FILE.toml",
+        help="what a bake would cost of: a preset, or a recipe (default: calf)",
+    )
+    parser.add_argument(
+        "--allow-outside", action="store_true", help="let a recipe name files outside its folder"
+    )
     _scale(parser)
     parser.add_argument("--json", action="store_true", help="as JSON")
 

@@ -8,6 +8,7 @@ import surftex as sx
 from surftex.bake.cost import bake_cost
 from surftex.bake.scales import size_warnings
 from surftex.cli import main
+from surftex.recipe.model import Recipe
 from surftex.surface.shapes import plane, sphere
 
 
@@ -79,3 +80,58 @@ def test_inspect_tells_it_before_a_bake(tmp_path, capsys):
     (said,) = json.loads(capsys.readouterr().out)["cost"]["warnings"]
     assert "larger than the mesh, whose longest side is 0.001 mm" in said
     assert bake_cost(sphere(50.0, subdivisions=2))["warnings"] == []
+
+
+@pytest.mark.parametrize(
+    ("material", "made_of", "placed", "finest"),
+    [
+        ("calf", "cells", {"cell"}, ("pores", 0.13)),
+        ("cells", "cells", {"grown cell"}, ("cells", 1.6)),
+        ("skin", "furrows", set(), ("pores", 0.26)),
+        ("gingham", "pixels", {"pixel"}, ("pixels", 1.6)),
+        ("thesis", "cysts", set(), None),
+    ],
+)
+def test_a_cost_is_of_the_material_that_was_named(material, made_of, placed, finest):
+    ball = sphere(10.0, subdivisions=2)
+    cost = bake_cost(ball, material)
+    assert (cost["material"], cost["made_of"], set(cost["placed"])) == (material, made_of, placed)
+    assert cost["cells"] == sum(cost["placed"].values())
+    page = cost["pages"][1]
+    if finest:
+        assert (cost["finest"]["kind"], cost["finest"]["mm"]) == finest
+    wide, side = cost["finest"]["mm"], cost["suggested_resolution"]
+    assert (
+        page["texels_per_mm"] / 2048 * side * wide >= 2 > page["texels_per_mm"] / 2048 * side / 2 * wide
+        or side == 256
+    )
+    assert bake_cost(sphere(10000.0, subdivisions=2), material)["suggested_resolution"] is None
+
+
+def test_as_many_cells_are_foreseen_as_a_bake_places():
+    ball = sphere(10.0, subdivisions=3)
+    for changes in ({"cell_ratio": 1.7}, {"cell_size": "1 + 0.03 * z"}):
+        leather = sx.Leather(**{"cell_size": 1.0, **changes})
+        foreseen = bake_cost(ball, "mine", Recipe.of(leather))["placed"]["cell"]
+        assert foreseen == pytest.approx(len(leather.place(ball).features["cell"]), rel=0.15)
+
+
+def test_inspect_takes_a_recipe_and_says_what_is_wrong_with_it(tmp_path, capsys):
+    from tests.test_cli import write_obj
+
+    write_obj(tmp_path / "ball.obj", sphere(10.0, subdivisions=2))
+    mesh = [str(tmp_path / "ball.obj"), "--units", "mm"]
+    (tmp_path / "mine.toml").write_text(
+        'surftex = 1\n[[layer]]\nmaterial = "leather"\ncell_size = 2\npore_density = 0\n'
+    )
+    assert main(["inspect", *mesh, "--material", str(tmp_path / "mine.toml")]) == 0
+    said = capsys.readouterr().out
+    assert f"a bake of {tmp_path / 'mine.toml'}: about 2" in said
+    assert "finest of the material: cells of 2 mm; --resolution 256 shows them" in said
+    assert main(["inspect", *mesh, "--material", "skin"]) == 0
+    said = capsys.readouterr().out
+    assert "across a furrow" in said
+    assert " cells" not in said
+    assert main(["inspect", *mesh, "--material", "no-such"]) == 2
+    assert main(["inspect", *mesh]) == 0
+    assert "a bake of calf: about" in capsys.readouterr().out
