@@ -1,4 +1,4 @@
-"""Progress on stderr: a bar on a terminal, a line per stage with -v, nothing with -q."""
+"""Progress on stderr: a bar on a terminal, a line per stage with -v and where the work is long, nothing with -q."""
 
 import sys
 import time
@@ -26,8 +26,15 @@ TITLES = {
 """What each stage is called on the screen."""
 
 
+PATIENCE_S = 10.0
+"""Work that is done sooner has no lines in a log, so that whoever is refused at once reads one line."""
+
+
 class Watch:
     """Shows how far a bake is; called with a stage and its share.
+
+    On a terminal that is a bar. In a log there is a line for each stage when it ends, once the work has lasted
+    `PATIENCE_S`; a stage that lasts so long by itself has one before.
 
     Parameters
     ----------
@@ -43,7 +50,11 @@ class Watch:
         self.tasks: dict[str, Any] = {}
         self.started: dict[str, float] = {}
         self.details: dict[str, str] = {}
+        self.began = time.perf_counter()
+        self.held: list[str] = []
+        self.named: set[str] = set()
         terminal = sys.stderr is not None and sys.stderr.isatty()
+        self.lines = not quiet and (verbose or not terminal)
         if terminal and not quiet and not verbose:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
@@ -88,13 +99,24 @@ class Watch:
             if stage not in self.tasks:
                 self.tasks[stage] = self.bar.add_task(TITLES.get(stage, stage), total=1.0)
             self.bar.update(self.tasks[stage], completed=share)
-        elif self.verbose:
-            if stage not in self.started:
-                self.started[stage] = time.perf_counter()
-            elif share == 1.0 and self.started[stage] >= 0:
-                detail = f" ({self.details[stage]})" if stage in self.details else ""
-                note(f"{TITLES.get(stage, stage)}: {time.perf_counter() - self.started[stage]:.2f} s{detail}")
-                self.started[stage] = -1.0
+        elif self.lines:
+            self._tell(stage, share)
+
+    def _tell(self, stage: str, share: float) -> None:
+        """Print a line for a stage that has ended; with patience, unless every stage is asked for."""
+        now, title = time.perf_counter(), TITLES.get(stage, stage)
+        began = self.started.setdefault(stage, now)
+        if share == 1.0 and 0 <= began < now:
+            detail = f" ({self.details[stage]})" if stage in self.details else ""
+            self.held.append(f"{title}: {now - began:.2f} s{detail}")
+            self.started[stage] = -1.0
+        elif 0 <= began < now - PATIENCE_S and stage not in self.named and not self.verbose:
+            self.held.append(f"{title} ...")
+            self.named.add(stage)
+        if self.verbose or now > self.began + PATIENCE_S:
+            for line in self.held:
+                note(line)
+            self.held.clear()
 
 
 class ColdWatch(Watch):
