@@ -1,4 +1,6 @@
-"""Words that go with a number."""
+"""Numbers as a reader likes them, and the words that go with one."""
+
+import math
 
 
 def by_count(count: int, one: str, many: str) -> str:
@@ -26,3 +28,30 @@ def by_count(count: int, one: str, many: str) -> str:
     '1,200 vertices were split'
     """
     return (one if count == 1 else many).format(count)
+
+
+def plain(number: float, digits: int = 3) -> str:
+    """Write a number without a power of ten, unless it is tiny.
+
+    Parameters
+    ----------
+    number : float
+        Finite.
+    digits : int
+        How many count.
+
+    Returns
+    -------
+    text : str
+        Thousands are parted by commas.
+
+    Examples
+    --------
+    >>> plain(2254.3), plain(0.65, 4), plain(40.0), plain(1.5e-7)
+    ('2,250', '0.65', '40', '1.5e-07')
+    """
+    if abs(number) < 1e-4:
+        return f"{number:.{digits}g}"
+    places = digits - 1 - math.floor(math.log10(abs(number)))
+    text = f"{round(number, places):,.{max(places, 0)}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text

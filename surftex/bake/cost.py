@@ -5,9 +5,10 @@ from typing import Any
 
 from surftex.bake.locating import located
 from surftex.bake.stack import layer_seed
-from surftex.errors import SurftexError, naming
+from surftex.errors import SurftexError
 from surftex.features.poisson import expected_sites
 from surftex.fields.fieldset import FieldSet
+from surftex.fields.sized import sized
 from surftex.kernels.pool import thread_count
 from surftex.paged import in_file
 from surftex.recipe.model import Recipe
@@ -139,14 +140,10 @@ def _placed(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> d
         surface, fields = found
         kind, key = _SIZES[layer.kind]
         with located(recipe, "layer", i, label=_label(recipe, i)):
-            sizes = [
-                fields.scalar(value) if isinstance(value, str) else value
-                for value in (getattr(layer.material, key), getattr(layer.material, "cell_ratio", 1.0))
-            ]
-            with naming(f"{layer.kind}.{key}"):
-                count = _OVER_DISKS[kind] * expected_sites(
-                    surface, sizes[0], sizes[1] if kind == "cell" else 1.0
-                )
+            size = sized(fields, getattr(layer.material, key), f"{layer.kind}.{key}")
+            ratio = getattr(layer.material, "cell_ratio", 1.0) if kind == "cell" else 1.0
+            ratio = sized(fields, ratio, f"{layer.kind}.cell_ratio", least=1.0)
+            count = _OVER_DISKS[kind] * expected_sites(surface, size, ratio)
         counts[kind] = counts.get(kind, 0) + max(1, round(min(count, _BEYOND)))
     return counts
 

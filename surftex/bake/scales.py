@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from surftex.fields.detail import finest_detail_mm
 from surftex.recipe.model import Recipe
 from surftex.surface.surface import Surface
+from surftex.words import plain
 
 GAP = 4.0
 """Between the largest feature and the finest detail of a mesh, from which on it is told as a gap."""
@@ -48,8 +49,8 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
         texels = wide_mm * texels_per_mm
         if wide_mm > size_mm:
             found.append(
-                f"{label}{kind} of {wide_mm:.4g} mm are larger than the mesh, whose longest side is {size_mm:.4g} mm; is a "
-                "unit wrong? --units and --size scale the mesh"
+                f"{label}{kind} of {plain(wide_mm, 4)} mm are larger than the mesh, whose longest side is "
+                f"{plain(size_mm, 4)} mm; is a unit wrong? --units and --size scale the mesh"
             )
         elif 0 < texels < LEAST_TEXELS:
             side = (
@@ -60,7 +61,7 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
             would = [] if side is None else [f"--resolution {side}"]
             would.append(f"--udim --texels-per-mm {density_for(wide_mm):g}")
             found.append(
-                f"{label}{kind} of {wide_mm:.4g} mm are {texels:.2g} texels wide at {resolution}, too few to be seen; "
+                f"{label}{kind} of {plain(wide_mm, 4)} mm are {texels:.2g} texels wide at {resolution}, too few to be seen; "
                 f"{' or '.join(would)} would do"
             )
     return tuple(found)
@@ -158,13 +159,13 @@ def scale_report(
 def _note(mesh: float | None, sizes: dict[str, float]) -> str | None:
     if mesh is None or not sizes:
         return None
-    both = [f"{kind} ({size:.3g} mm)" for kind, size in sizes.items() if size >= mesh]
+    both = [f"{kind} ({plain(size)} mm)" for kind, size in sizes.items() if size >= mesh]
     if both:
-        return f"the mesh has relief of its own from {mesh:.3g} mm on; it may double {', '.join(both)}"
+        return f"the mesh has relief of its own from {plain(mesh)} mm on; it may double {', '.join(both)}"
     kind, size = max(sizes.items(), key=lambda item: item[1])
     if mesh > GAP * size:
         return (
-            f"between {size:.3g} mm ({kind}) and {mesh:.3g} mm (the finest relief of the mesh) nothing has detail; "
+            f"between {plain(size)} mm ({kind}) and {plain(mesh)} mm (the finest relief of the mesh) nothing has detail; "
             "larger features or a finer mesh would fill the gap"
         )
     return None

@@ -36,7 +36,7 @@ def _rows(result: dict[str, Any]) -> list[str]:
     """Tell the numbers that most ask for; the JSON has all."""
     relief, ring, size = result["statistics"], result["ring"], result["size"]
     rows = [
-        f"map: {size[0]} x {size[1]} texels of {result['mm_per_texel']:.4g} mm",
+        f"map: {size[0]} x {size[1]} texels of {result['mm_per_texel']:.4g} mm, all of which count{_gaps(result['coverage'])}",
         f"relief: rms {relief['rms']:.4g} mm about a mean of {relief['mean']:.4g} mm; 1 % to 99 % from {relief['p01']:.4g} to "
         f"{relief['p99']:.4g} mm; skew {relief['skew']:.3g}",
     ]
@@ -47,3 +47,14 @@ def _rows(result: dict[str, Any]) -> list[str]:
         f"spectrum: features repeat every {ring['spacing_mm']:.4g} mm ({ring['cycles_per_mm']:.4g} cycles per mm); ring "
         f"{ring['axis_ratio']:.3g} times as long as wide, along {ring['long_axis_deg']:.0f} degrees",
     ]
+
+
+def _gaps(coverage: float | None) -> str:
+    """Say how many texels lie between charts, where a report tells."""
+    if coverage is None:
+        return ", gaps between charts too"
+    return (
+        f"; {100 * (1 - coverage):.0f} % lie in gaps between charts, and repeat the nearest"
+        if coverage < 0.995
+        else ""
+    )

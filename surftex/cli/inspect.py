@@ -5,7 +5,7 @@ from argparse import Namespace
 from typing import Any
 
 from surftex.cli.say import one_line, out
-from surftex.words import by_count
+from surftex.words import by_count, plain
 
 _USUAL = "calf"
 """What the cost is of, unless told."""
@@ -52,15 +52,15 @@ def run(options: Namespace) -> None:
 
 
 def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
-    size = " x ".join(f"{side:.4g}" for side in facts["size_mm"])
-    volume = "" if facts["volume_mm3"] is None else f"; volume: {facts['volume_mm3']:,.6g} mm^3"
-    edges = ", ".join(f"{name} {length:.3g}" for name, length in facts["edge_length_mm"].items())
-    borders = f"{facts['border_loops']} ({facts['border_length_mm']:.4g} mm)"
+    size = " x ".join(plain(side, 4) for side in facts["size_mm"])
+    volume = "" if facts["volume_mm3"] is None else f"; volume: {plain(facts['volume_mm3'], 6)} mm^3"
+    edges = ", ".join(f"{name} {plain(length)}" for name, length in facts["edge_length_mm"].items())
+    borders = f"{facts['border_loops']} ({plain(facts['border_length_mm'], 4)} mm)"
     rows = [
         f"{facts['name']}: {by_count(facts['faces'], '{:,} face', '{:,} faces')}, "
         f"{by_count(facts['vertices'], '{:,} vertex', '{:,} vertices')}, {size} mm",
         f"unit of the file: {_unit(facts['mm_per_unit'])}",
-        f"area: {facts['area_mm2']:,.6g} mm^2{volume}",
+        f"area: {plain(facts['area_mm2'], 6)} mm^2{volume}",
         f"components: {facts['components']} ({facts['closed_components']} closed); borders: {borders}; "
         f"genus: {facts['genus']}",
         f"edges: {edges} mm",
@@ -69,7 +69,7 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
         f"own normals: {'yes' if facts['own_normals'] else 'no'}",
     ]
     rows += [
-        f"part {part['name']!r}: {by_count(part['faces'], '{:,} face', '{:,} faces')}, {part['area_mm2']:,.5g} mm^2"
+        f"part {part['name']!r}: {by_count(part['faces'], '{:,} face', '{:,} faces')}, {plain(part['area_mm2'], 5)} mm^2"
         for part in facts["parts"]
     ]
     many = [
@@ -89,7 +89,7 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
 
 def _scales(scales: dict[str, Any], under: str) -> list[str]:
     mesh = scales["mesh_mm"]
-    told = "none, or not measured" if mesh is None else f"about {mesh:.3g} mm"
+    told = "none, or not measured" if mesh is None else f"about {plain(mesh)} mm"
     rows = [f"finest relief of the mesh: {told}"]
     return [*rows, f"  under {under}: {scales['note']}"] if scales["note"] else rows
 
@@ -101,7 +101,7 @@ def _finest(cost: dict[str, Any]) -> list[str]:
     side, density = cost["suggested_resolution"], cost["suggested_texels_per_mm"]
     would = f"--resolution {side}" if side else f"--udim --texels-per-mm {density:g}"
     return [
-        f"  finest of the material: {cost['finest']['kind']} of {cost['finest']['mm']:.4g} mm; {would} shows them"
+        f"  finest of the material: {cost['finest']['kind']} of {plain(cost['finest']['mm'], 4)} mm; {would} shows them"
     ]
 
 

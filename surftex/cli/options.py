@@ -120,7 +120,12 @@ def make_parser() -> tuple[Parser, dict[str, Parser]]:
     _fill(command("fill", "Replace a part of a picture by the texture around it.", epilog=_CODES))
     _knit(command("knit", "Join pictures and draw the borders between them anew.", epilog=_CODES))
     _erode(command("erode", "Let a mask, a layout or a composite age step by step.", epilog=_CODES))
-    _analyse(command("analyse", "Spectrum, statistics and a section of a height map, as PNG and JSON."))
+    _analyse(
+        command(
+            "analyse",
+            "Spectrum, statistics and a section of a height map, as PNG and JSON; all texels count, gaps too.",
+        )
+    )
     _match(
         command(
             "match", "Match a render model to light in skin, over all its biology: a table.", epilog=_CODES

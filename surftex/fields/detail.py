@@ -18,6 +18,9 @@ _WAVELENGTHS = 5.3
 _SLOPE, _SHARE = 0.09, 0.99
 """A wavelength counts as detail where slopes of five degrees are exceeded on a hundredth of the surface."""
 
+_MOST = 0.5
+"""Of the longest side: a longer wave is the shape itself, no relief on it."""
+
 
 def finest_detail_mm(surface: Surface) -> float | None:
     """Find the smallest wavelength of a mesh's own relief.
@@ -33,8 +36,8 @@ def finest_detail_mm(surface: Surface) -> float | None:
     Returns
     -------
     wavelength_mm : float or None
-        Of the finest octave with waves steep enough to see somewhere; None where the mesh is smooth, or has more than
-        `MOST_FACES` faces.
+        Of the finest octave with waves steep enough to see somewhere; None where the mesh is smooth but for bends as large
+        as itself, or has more than `MOST_FACES` faces.
     """
     if len(surface.faces) > MOST_FACES:
         return None
@@ -46,6 +49,8 @@ def finest_detail_mm(surface: Surface) -> float | None:
     for _ in range(_OCTAVES):
         coarser = mean_curvature(surface, 2 * radius)
         wavelength = _WAVELENGTHS * np.sqrt(2) * radius
+        if wavelength > _MOST * surface.longest_side_mm:
+            return None
         bends = np.abs(finer - coarser)
         order = np.argsort(bends)
         bend = bends[order][np.searchsorted(np.cumsum(area[order]), _SHARE * area.sum())]

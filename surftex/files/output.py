@@ -71,9 +71,9 @@ def check_output(folder: str | Path, names: Iterable[str] = (), *, overwrite: bo
         if (folder / name).is_symlink() or not (folder / name).is_file():
             raise InputError(f"{folder / name} is a link or a folder; move it away before writing there")
     if present and not overwrite:
+        held = present[0] if len(present) == 1 else f"{present[0]} and others of the files to write"
         raise InputError(
-            f"{folder} holds {len(present)} of the files to write; the first is {present[0]}. "
-            "Choose another folder, or allow it with overwrite (--overwrite)"
+            f"{folder} holds {held} already. Choose another folder, or allow it with overwrite (--overwrite)"
         )
     return folder
 

@@ -40,21 +40,21 @@ def analyse_file(
     Returns
     -------
     result : dict
-        Plain JSON: ``mm_per_texel``, ``size``, ``statistics``, ``ring``, ``section``, ``files``, ``warnings``.
+        Plain JSON: ``mm_per_texel``, ``size``, ``coverage`` (the share of the map that charts cover, None without a
+        report), ``statistics``, ``ring``, ``section``, ``files``, ``warnings``.
 
-    Raises
-    ------
-    InputError
-        If the map, the section or the size cannot be used, or nothing can be written where the files are to appear.
-    WorkError
-        If a file cannot be written.
+    Notes
+    -----
+    Every texel counts, those in gaps between charts too, which repeat what the nearest chart has. A map of a plane, or of
+    a tile, has no gaps.
     """
     source = Path(path)
     files = _places(source, out)
     height = _height(source)
     warnings = []
+    reported, coverage = _reported(source.parent / "report.json", height.shape)
     if mm_per_texel is None:
-        mm_per_texel = _reported(source.parent / "report.json", height.shape)
+        mm_per_texel = reported
         if mm_per_texel is None:
             mm_per_texel = 1.0
             warnings.append("the size of a texel is not known: lengths along the map are in texels")
@@ -69,6 +69,7 @@ def analyse_file(
         "source": source.name,
         "size": [height.shape[1], height.shape[0]],
         "mm_per_texel": float(mm_per_texel),
+        "coverage": coverage,
         "statistics": statistics(height),
         "ring": {
             "cycles_per_mm": ring.radius,
@@ -221,16 +222,17 @@ def _height(path: Path) -> NDArray[np.float64]:
     return height
 
 
-def _reported(path: Path, shape: tuple[int, ...]) -> float | None:
-    """Mean size of a texel, by the report of the bake."""
+def _reported(path: Path, shape: tuple[int, ...]) -> tuple[float | None, float | None]:
+    """Mean size of a texel and the share that charts cover, by the report of the bake."""
     try:
         report = json.loads(path.read_text("utf-8"))
         if report["resolution"] != shape[1]:
-            return None
-        size = float(report["mesh"]["area_mm2"]) / (float(report["coverage"]) * shape[0] * shape[1])
+            return None, None
+        coverage = float(report["coverage"])
+        size = float(report["mesh"]["area_mm2"]) / (coverage * shape[0] * shape[1])
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError):
-        return None
-    return float(np.sqrt(size)) if 0 < size < np.inf else None
+        return None, None
+    return (float(np.sqrt(size)), coverage) if 0 < size < np.inf and 0 < coverage <= 1 else (None, None)
 
 
 def _places(source: Path, out: str | os.PathLike[str] | None) -> list[str]:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from surftex.bake.loading import load
 from surftex.bake.scales import scale_report
 from surftex.fields.detail import finest_detail_mm
 from surftex.materials.skin.model import Skin
@@ -53,3 +54,19 @@ def test_curves_that_were_drawn_and_vessels_count_and_flat_freckles_do_not():
     assert sizes["wrinkles"] == 8.0
     assert sizes["vessels"] == 1.0
     assert "freckles" not in sizes
+
+
+@pytest.mark.parametrize(("along", "across"), [(24, 2), (120, 12)])
+def test_the_bend_of_a_whole_shape_is_no_relief_of_it(along, across):
+    """A band of Moebius, cut where its sides meet: no wave of more than half the mesh is found on it."""
+    turn = 2 * np.pi * np.arange(along + 1)[:, None] / along
+    aside = 40.0 * (np.arange(across + 1) / across - 0.5)
+    reach = 100.0 + aside * np.cos(turn / 2)
+    place = np.stack([reach * np.cos(turn), reach * np.sin(turn), aside * np.sin(turn / 2)], axis=2)
+    number = np.arange((along + 1) * (across + 1)).reshape(along + 1, across + 1)
+    number[-1] = number[0, ::-1]
+    a, b, c, d = (
+        each.ravel() for each in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+    )
+    faces = np.concatenate([np.stack(corners, axis=1) for corners in ((a, b, c), (a, c, d))])
+    assert finest_detail_mm(load((place[:-1].reshape(-1, 3), faces))) is None

@@ -126,12 +126,18 @@ def test_where_an_analysis_cannot_go_is_told_before_the_map_is_read(tmp_path):
     assert sorted(path.name for path in (tmp_path / "new").iterdir()) == ["x.json", "x.png"]
 
 
-def test_texel_size_comes_from_the_report_or_is_said_to_be_unknown(tmp_path):
+def test_texel_size_comes_from_the_report_or_is_said_to_be_unknown(tmp_path, capsys):
+    from surftex.cli import main
+
     write_exr(tmp_path / "h.exr", waves(2, 2, 0, size=64).astype(np.float32))
     assert "not known" in analyse_file(tmp_path / "h.exr")["warnings"][0]
     report = {"resolution": 64, "coverage": 0.5, "mesh": {"area_mm2": 0.5 * 64**2 * 0.3**2}}
     (tmp_path / "report.json").write_text(json.dumps(report))
     assert analyse_file(tmp_path / "h.exr", tmp_path / "x.png")["mm_per_texel"] == pytest.approx(0.3)
+    assert analyse_file(tmp_path / "h.exr", tmp_path / "x.png", mm_per_texel=1.0)["coverage"] == 0.5
+    assert main(["analyse", str(tmp_path / "h.exr")]) == 0
+    said = capsys.readouterr().out
+    assert "of 0.3 mm, all of which count; 50 % lie in gaps between charts, and repeat the nearest" in said
     with pytest.raises(InputError, match="no such file"):
         analyse_file(tmp_path / "none.exr")
     with pytest.raises(InputError, match="x0,y0"):
@@ -161,7 +167,7 @@ def test_the_command_prints_the_main_numbers_after_the_files(tmp_path, capsys):
     assert main(["analyse", str(tmp_path / "h.exr"), "--mm-per-texel", "0.05"]) == 0
     files, (size, relief, spectrum) = np.split(np.array(capsys.readouterr().out.splitlines()), [2])
     assert [name.rpartition("_")[2] for name in files] == ["analysis.png", "analysis.json"]
-    assert size == "map: 200 x 200 texels of 0.05 mm"
+    assert size == "map: 200 x 200 texels of 0.05 mm, all of which count, gaps between charts too"
     assert relief.startswith("relief: rms 0.01414 mm about a mean of ")
     assert spectrum.startswith("spectrum: features repeat every ")
     write_exr(tmp_path / "flat.exr", np.zeros((64, 64), np.float32))

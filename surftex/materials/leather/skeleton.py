@@ -14,6 +14,7 @@ from surftex.features.relax import relaxed
 from surftex.features.uniform import scatter
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.noise import Noise
+from surftex.fields.sized import sized
 from surftex.fields.sources import SpannedField
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.records import Records
@@ -82,7 +83,7 @@ def place(
     direction = _direction(leather, surface, names)
     sites = poisson_disk(
         surface, _size(leather, surface, seed, names), stream(seed, "leather", "cells"),
-        ratio=_number(names, leather.cell_ratio, "cell_ratio"), direction=direction, max_sites=max_features,
+        ratio=_ratio(leather, names), direction=direction, max_sites=max_features,
         threads=threads, tick=lambda share: told(0.5 * share),
     )  # fmt: skip
     if leather.regularity:
@@ -142,7 +143,7 @@ def refuse_too_many(
     """
     spacing = _size(leather, surface, seed, names)
     expected = {
-        "cells": expected_sites(surface, spacing, _number(names, leather.cell_ratio, "cell_ratio")),
+        "cells": expected_sites(surface, spacing, _ratio(leather, names)),
         "pores": _expected_pores(leather, surface, names),
         "wrinkles": float(_wrinkle_count(leather, surface, seed)),
         "crowns": expected_sites(surface, leather.crown_spacing, 1.0) if leather.crown_spacing > 0 else 0.0,
@@ -183,24 +184,18 @@ def point_table(points: SurfacePoints) -> NDArray:
     return table
 
 
-def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[SurfacePoints], NDArray]:
-    """Take a number as it is, an expression as a function of points."""
-    if isinstance(value, str):
-        try:
-            return names.scalar(value)
-        except RecipeError as problem:
-            raise RecipeError(f"leather.{key}: {problem}") from None
-    return value
+def _ratio(leather: Leather, names: FieldSet) -> float | Callable[[SurfacePoints], NDArray]:
+    return sized(names, leather.cell_ratio, "leather.cell_ratio", least=1.0)
 
 
 def _size(
     leather: Leather, surface: Surface, seed: int, names: FieldSet
 ) -> float | Callable[[SurfacePoints], NDArray]:
     """Size of the cells; where it varies, patches of larger and of smaller ones lie beside one another."""
-    size = _number(names, leather.cell_size, "cell_size")
+    size = sized(names, leather.cell_size, "leather.cell_size")
     if leather.size_variation == 0:
         return size
-    measured = names.scalar(leather.cell_size)
+    measured = size if callable(size) else names.scalar(size)
     typical = float(np.median(measured(scatter(surface, stream(seed, "leather", "typical size"), count=256))))
     noise = Noise(stream(seed, "leather", "size"), max(_PATCH * typical, 1e-9), 2)
 
