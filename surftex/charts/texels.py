@@ -255,8 +255,11 @@ def texels(
     texel, face, weight, core, host, turn, follows = (_joined(part) for part in parts)
     source = np.zeros(len(texel), np.int32)
     find_leaders(texel, resolution, follows, source)
-    jacobian = atlas.jacobian_mm(surface, resolution)
-    side = np.sqrt(np.abs(jacobian[:, 0, 0] * jacobian[:, 1, 1] - jacobian[:, 0, 1] * jacobian[:, 1, 0]))
+    across, down = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area_px = 0.5 * np.abs(across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0])
+    side = np.sqrt(
+        np.divide(surface.face_area_mm2, area_px, out=np.zeros(len(area_px)), where=area_px > 5e-13)
+    )
     return Texels(
         width=resolution,
         height=resolution,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from surftex.fields.curvature import mean_curvature
+from surftex.fields.curvature import Bending
 from surftex.surface.surface import Surface
 
 MOST_FACES = 300_000
@@ -14,6 +14,9 @@ _FIRST = 0.35
 
 _WAVELENGTHS = 5.3
 """Wavelength that an average loses half of, in its standard deviations."""
+
+_TOLERANCE = 1e-3
+"""Of the averages: a slope of five degrees is not told to a hundredth."""
 
 _SLOPE, _SHARE = 0.09, 0.99
 """A wavelength counts as detail where slopes of five degrees are exceeded on a hundredth of the surface."""
@@ -45,9 +48,10 @@ def finest_detail_mm(surface: Surface) -> float | None:
         surface.faces.ravel(), np.repeat(surface.face_area_mm2 / 3, 3), minlength=len(surface.vertices)
     )
     radius = _FIRST * surface.mean_edge_mm
-    finer = mean_curvature(surface, radius)
+    bending = Bending.of(surface)
+    finer = bending.mean_curvature(radius, tolerance=_TOLERANCE)
     for _ in range(_OCTAVES):
-        coarser = mean_curvature(surface, 2 * radius)
+        coarser = bending.mean_curvature(2 * radius, tolerance=_TOLERANCE)
         wavelength = _WAVELENGTHS * np.sqrt(2) * radius
         if wavelength > _MOST * surface.longest_side_mm:
             return None

@@ -10,9 +10,10 @@ from surftex.kernels.jit import kernel, part
 LANES = 8
 """Octaves that are computed at once."""
 
-_FRAME, _OFFSET, _CELL, _PLACE, _SLOPE, _AMOUNT, _MOVED = 0, 9, 12, 15, 18, 42, 43
-ROWS = 44
-"""Nine of the frames, three each of offsets, last cells of the lattice and places in them, 24 of slopes, amounts, steps."""
+_FRAME, _OFFSET, _CELL, _PLACE, _SLOPE, _AMOUNT, _MOVED, _VALUE = 0, 9, 12, 15, 18, 42, 43, 44
+ROWS = 45
+"""Nine of the frames, three each of offsets, last cells of the lattice and places in them, 24 of slopes, amounts,
+steps, values."""
 
 NO_CELL = 1e300
 
@@ -108,7 +109,7 @@ def _enter(block, key, px, py, pz):
 
 @part
 def _fade(block, footprint, weight, wavelength):
-    """Weigh the octaves of a block by what a footprint leaves of them; whether anything is left."""
+    """Find by how much each octave of a block shows at a footprint; whether any does."""
     left = 0
     for k in range(LANES):
         fade = min(max(2.0 - 4.0 * footprint / wavelength[k], 0.0), 1.0)
@@ -119,7 +120,7 @@ def _fade(block, footprint, weight, wavelength):
 
 @part
 def _blend(block):
-    """Blend the slopes around the place in each octave, into where its amount was."""
+    """Blend the slopes around the place in each octave."""
     for k in range(LANES):
         x, y, z = (
             block[_PLACE * LANES + k],
@@ -141,7 +142,7 @@ def _blend(block):
         d = _lift(block, k, 7, x - 1.0, y - 1.0, z - 1.0)
         a, c = a + u * (b - a), c + u * (d - c)
         high = a + v * (c - a)
-        block[_AMOUNT * LANES + k] *= low + w * (high - low)
+        block[_VALUE * LANES + k] = block[_AMOUNT * LANES + k] * (low + w * (high - low))
 
 
 @kernel
@@ -153,10 +154,14 @@ def gradient_noise(position, footprint, key, weight, wavelength, noise, block, v
     and cells are given, cells as NO_CELL -> value (c, n) float64.
     An octave fades as the footprint goes from 1/4 to 1/2 of its wavelength.
     """
+    shown, last = 0, -1.0
     for i in range(len(position)):
-        if not _fade(block, footprint[i], weight, wavelength):
+        if footprint[i] != last:
+            last = footprint[i]
+            shown = _fade(block, last, weight, wavelength)
+        if shown == 0:
             continue
         _enter(block, key, position[i, 0], position[i, 1], position[i, 2])
         _blend(block)
         for k in range(LANES):
-            value[noise[k], i] += block[_AMOUNT * LANES + k]
+            value[noise[k], i] += block[_VALUE * LANES + k]

@@ -304,10 +304,9 @@ class LeatherPattern:
         numbers = stream(self.seed, "leather", "crown size").uniform(len(self.features["crown"]))[:, 0]
         return (1 + _CROWN_SPREAD * (2 * numbers - 1)).astype(np.float32)
 
-    def _noises(
-        self, position: NDArray[np.float64], footprint_mm: NDArray[np.float32]
-    ) -> dict[str, NDArray[np.float32]]:
-        """Noise of each use, 0 where there is none of it."""
+    @cached_property
+    def _shown_noises(self) -> dict[str, Noise]:
+        """Noise of each use that a leather has."""
         leather = self.leather
         size = 1.3 * float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.3
         uses = {
@@ -316,13 +315,19 @@ class LeatherPattern:
             "grain": (leather.grain_size, leather.grain_height),
             "mottle": (leather.mottle_size, leather.mottle + leather.wear),
         }
-        shown = {
+        return {
             name: Noise(stream(self.seed, "leather", name), size_mm, 2)
             for name, (size_mm, amount) in uses.items()
             if amount > 0
         }
+
+    def _noises(
+        self, position: NDArray[np.float64], footprint_mm: NDArray[np.float32]
+    ) -> dict[str, NDArray[np.float32]]:
+        """Noise of each use, 0 where there is none of it."""
+        uses: tuple[str, ...] = ("wave a", "wave b", "grain", "mottle")
         values = dict.fromkeys(uses, np.zeros(len(position), np.float32))
-        if shown:
+        if shown := self._shown_noises:
             values |= zip(shown, several(tuple(shown.values()), position, footprint_mm), strict=True)
         return values
 
@@ -331,18 +336,25 @@ class LeatherPattern:
         if kind not in self.curves:
             return None, None, None, None, None
         piece, distance, along, side = nearest_curve(self.curves[kind], points, threads=1)
-        table, own = self.features[kind], np.maximum(piece, 0)
+        near = np.flatnonzero(piece >= 0)
+        table, own, along = self.features[kind], piece[near], along[near]
         length = table["length_mm"][own]
         if kind == "crack":
-            left = 1 - along / length if self.leather.crack_taper else np.ones(len(points))
+            left = 1 - along / length if self.leather.crack_taper else np.ones(len(near))
         elif self.leather.wrinkle_taper > 0:
             left = np.minimum(along, length - along) / np.minimum(self.leather.wrinkle_taper, length / 2)
         else:
-            left = np.ones(len(points))
-        share = smoothstep(0.0, 1.0, np.where(piece >= 0, left, 0).astype(np.float32))
+            left = np.ones(len(near))
+
+        def spread(values: NDArray) -> NDArray[np.float32]:
+            whole = np.zeros(len(points), np.float32)
+            whole[near] = values
+            return whole
+
         width = depth = None
         if "width_mm" in (table.dtype.names or ()):
-            width, depth = (table[name][own].astype(np.float32) for name in ("width_mm", "depth_mm"))
+            width, depth = (spread(table[name][own]) for name in ("width_mm", "depth_mm"))
+        share = spread(smoothstep(0.0, 1.0, left.astype(np.float32)))
         return distance.astype(np.float32), share, side.astype(np.float32), width, depth
 
     def _nearest_point(self, kind: str, points: SurfacePoints) -> NDArray[np.float32] | None:

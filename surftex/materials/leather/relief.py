@@ -157,15 +157,17 @@ def _finish(
     high = smoothstep(0.55, 0.98, crest) * (1 - deep)
     worn = leather.wear * np.clip(np.maximum(high, crown) * (0.8 + 0.9 * drift), 0, 1)
     tone = 1 + 2 * leather.mottle * drift + leather.cell_tone * (2 * skeleton.tone - 1)
-    tint = np.array([1.0, 1.05, 1.1], np.float32)
-    color = np.array(leather.color, np.float32) * (1 + (tone - 1)[:, None] * tint)
-    color += dye[:, None] * (np.array(leather.furrow_color, np.float32) - color)
-    color += worn[:, None] * (np.array(leather.crest_color, np.float32) - color)
+    color = np.zeros((len(drift), 3), np.float32)
+    for channel, tint in enumerate((1.0, 1.05, 1.1)):
+        value = leather.color[channel] * (1 + (tone - 1) * np.float32(tint))
+        value += dye * (leather.furrow_color[channel] - value)
+        value += worn * (leather.crest_color[channel] - value)
+        color[:, channel] = np.clip(value, 0, 1)
     rough = leather.roughness + 0.08 * drift
     rough = rough + deep * (leather.furrow_roughness - rough)
     rough = rough + (high * (1 - dye)) * (leather.crest_roughness - leather.roughness)
     return {
-        "base_color": np.clip(color, 0, 1).astype(np.float32),
+        "base_color": color,
         "roughness": np.clip(rough, 0.04, 1).astype(np.float32),
         "specular": (leather.specular * (1 - 0.5 * dye)).astype(np.float32),
         "region": skeleton.plates.own,
