@@ -218,7 +218,11 @@ class Growth:
 
 def _differing(keys: list[str]) -> str:
     """Say in what a saved growth differs from the one that was asked for."""
-    found = ["grew on another mesh, or a tile of another side"] if "ground" in keys else []
+    found = (
+        ["grew on another mesh, on other bodies of it, or on a tile of another side"]
+        if "ground" in keys
+        else []
+    )
     if settings := [key for key in keys if key != "ground"]:
         found.append(f"grew with other values of {', '.join(settings)}")
     return " and ".join(found)

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import surftex as sx
+from surftex.bake.bake import run
 from surftex.bake.cost import recipe_costs
 from surftex.bake.covered import BodiesTick, OnBodies, covered_bodies, fields_on, mask_on
 from surftex.bake.fields import make_fields
+from surftex.bake.growing import Growth, ground_key, grown_on
 from surftex.bake.stack import layer_seed, place_layer, place_stack
 from surftex.features.uniform import area_points
 from surftex.fields.fieldset import FieldSet
@@ -25,7 +27,7 @@ from surftex.surface.surface import Surface
 
 BALL = sphere(1.0, subdivisions=2)
 SIZES, AT = (9.0, 6.0, 4.0), (0.0, 30.0, 50.0)
-ALONE = {"crocodile": 'cell_size = "2 mm"\nwrinkle_density = 20', "even": 'cell_size = "2.5 mm"\ngenerations = 20',
+ALONE = {"crocodile": 'cell_size = "2 mm"\nwrinkle_density = 20', "even": 'cell_size = "2.5 mm"',
          "skin": "mole_count = 9\npore_density = 1", "gravel": 'pixel_size = "0.7 mm"\nsweeps = 2'}  # fmt: skip
 
 
@@ -46,6 +48,7 @@ NUMBER = {name: int(WHOLE.component[np.argmax(WHOLE.part == i)]) for i, name in 
 
 
 def recipe(mask, preset="crocodile", fields="", **keys):
+    keys = ({"generations": 20} if preset == "even" else {}) | keys
     more = "\n".join(f"{key} = {json.dumps(value)}" for key, value in keys.items())
     return recipe_from_text(
         f'surftex = 1\nseed = 5\n[fields]\n{fields}\n[[layer]]\nmaterial = "leather"\npreset = "calf"\n'
@@ -297,3 +300,19 @@ def test_what_grows_on_bodies_is_kept_with_the_faces_of_the_whole():
     BodiesTick(Keeps(None), bodies).keep(3, 9, lambda: {"particle": grown})
     assert kept[0][:2] == (3, 9)
     assert (kept[0][2] == np.flatnonzero(WHOLE.part == 2)[[0, 1, 5, 7]]).all()
+
+
+def test_a_growth_goes_on_only_on_the_bodies_that_it_began_on(tmp_path):
+    def key(mask, preset="even"):
+        made = recipe(mask, preset)
+        return ground_key(WHOLE, grown_on(made, WHOLE, make_fields(made, WHOLE)))
+
+    assert key(0.5) == key(1) == ground_key(WHOLE) == key("part('b')", "crocodile")
+    assert len({key(1), key("part('b')"), key("part('c')"), key("part('b') + part('c')")}) == 4
+    made, file = recipe("part('b')", "even", generations=12), tmp_path / "grown.npz"
+    run(made, WHOLE, growth=Growth(file))
+    longer = recipe("part('b')", "even", generations=20)
+    went_on = run(longer, WHOLE, growth=Growth(file)).maps
+    same(dict(went_on.features), dict(run(longer, WHOLE).maps.features))
+    with pytest.raises(sx.InputError, match="grew on another mesh, on other bodies of it"):
+        run(recipe("part('c')", "even", generations=20), WHOLE, growth=Growth(file))

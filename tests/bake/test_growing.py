@@ -116,7 +116,10 @@ def test_frames_are_seen_at_even_steps_to_the_end(ball):
 def test_what_does_not_belong_is_refused_in_a_line(ball, whole, tmp_path):
     path = tmp_path / "growth.npz"
     run(recipe(generations=20), ball, growth=Growth(path))
-    with pytest.raises(InputError, match="grew on another mesh, or a tile of another side; name another"):
+    with pytest.raises(
+        InputError,
+        match="grew on another mesh, on other bodies of it, or on a tile of another side; name another",
+    ):
         run(recipe(), sphere(11.0, subdivisions=3), growth=Growth(path))
     with pytest.raises(InputError, match="grew with other values of births, cell_size, seed;"):
         run(recipe(seed=4, cell_size=2.0, births=0.04), ball, growth=Growth(path))

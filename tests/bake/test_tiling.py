@@ -142,7 +142,9 @@ def test_threads_change_no_byte_and_a_tile_goes_on(tmp_path):
     two = bake_tile(recipe(), 18.0, threads=2, growth=Growth(growth))
     for name in one:
         np.testing.assert_array_equal(one[name], two[name])
-    with pytest.raises(InputError, match="grew on another mesh, or a tile of another side"):
+    with pytest.raises(
+        InputError, match="grew on another mesh, on other bodies of it, or on a tile of another side"
+    ):
         bake_tile(recipe(), 21.0, growth=Growth(growth))
 
 
