@@ -60,6 +60,8 @@ _FLOODED = 1.5
 _CROWN_SPREAD = 0.25
 """How much crowns differ in size, either way."""
 
+_NOISES: tuple[str, ...] = ("wave a", "wave b", "grain", "mottle")
+
 _WAVE = 2.7
 """Noise has an rms of 0.31; a waviness of 0.1 shall move borders by about a tenth of a cell at most places."""
 
@@ -325,8 +327,7 @@ class LeatherPattern:
         self, position: NDArray[np.float64], footprint_mm: NDArray[np.float32]
     ) -> dict[str, NDArray[np.float32]]:
         """Noise of each use, 0 where there is none of it."""
-        uses: tuple[str, ...] = ("wave a", "wave b", "grain", "mottle")
-        values = dict.fromkeys(uses, np.zeros(len(position), np.float32))
+        values: dict[str, NDArray[np.float32]] = dict.fromkeys(_NOISES, np.zeros(len(position), np.float32))
         if shown := self._shown_noises:
             values |= zip(shown, several(tuple(shown.values()), position, footprint_mm), strict=True)
         return values
