@@ -8,6 +8,8 @@ from surftex.geodesics.pieces import CurvePieces
 STEPS = 48
 """Places along a line at which the region is asked; the crossing is then narrowed twice by the same number."""
 
+_SHARES = np.linspace(0.0, 1.0, STEPS)
+
 Piece = tuple[int, NDArray[np.float64], NDArray[np.float64]]
 """A face, and a start and an end in its frame."""
 
@@ -54,12 +56,11 @@ class Crossing:
         place : (STEPS, 2) float64
             In the frames of the faces.
         """
-        self.far = np.linspace(self.low, self.high, STEPS)
-        row = np.clip(np.searchsorted(self.length, self.far, side="right") - 1, 0, len(self.face) - 1)
-        share = (self.far - self.length[row]) / np.maximum(self.length_mm[row], 1e-300)
-        return self.face[row], self.start[row] + np.clip(share, 0, 1)[:, None] * (
-            self.end[row] - self.start[row]
-        )
+        self.far = self.low + _SHARES * (self.high - self.low)
+        row = np.searchsorted(self.length[1:-1], self.far, side="right")
+        share = np.minimum((self.far - self.length[row]) / np.maximum(self.length_mm[row], 1e-300), 1.0)
+        start = self.start[row]
+        return self.face[row], start + share[:, None] * (self.end[row] - start)
 
     def narrow(self, owner: NDArray[np.integer]) -> None:
         """Keep what lies between the last place of the first region and the next.

@@ -223,11 +223,12 @@ class _Walk:
         if not candidates:
             return []
         face, _, place = self.pieces[-1]
-        here = _points(surface, [(face, place)]).positions(surface)[0]
+        here = _positions(surface, np.array([face]), place[None])[0]
         pieces = furrows.graph.pieces
         rows = np.concatenate([np.arange(furrows.first[edge], furrows.last[edge]) for edge in candidates])
         edges = np.repeat(candidates, [furrows.last[edge] - furrows.first[edge] for edge in candidates])
-        begin, end = (_along(surface, pieces, rows, share).positions(surface) for share in (0.0, 1.0))
+        face = pieces.face[rows]
+        begin, end = (_positions(surface, face, place[rows]) for place in (pieces.start, pieces.end))
         along = end - begin
         square = np.maximum((along**2).sum(axis=1), 1e-300)
         share = np.clip(((here - begin) * along).sum(axis=1) / square, 0, 1)
@@ -300,6 +301,14 @@ def _along(surface: Surface, pieces: CurvePieces, rows: NDArray[np.integer], sha
         pieces.face[rows], pieces.start[rows], pieces.end[rows], pieces.curve[rows], pieces.start_mm[rows]
     )
     return chosen.points(surface, share)
+
+
+def _positions(
+    surface: Surface, face: NDArray[np.integer], place: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Millimetres in space of places in the frames of faces."""
+    axes = surface.frame[face]
+    return surface.vertices[surface.faces[face, 0]] + place[:, :1] * axes[:, 0] + place[:, 1:] * axes[:, 1]
 
 
 def _points(surface: Surface, places: list[tuple[int, NDArray[np.float64]]]) -> SurfacePoints:
