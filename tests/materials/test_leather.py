@@ -330,3 +330,46 @@ def test_creases_of_the_shipped_shoe_lie_on_its_upper(meshes):
     points = SurfacePoints(table["face"], table["barycentric"])
     assert (names.scalar('part("upper")')(points) == 1).all()
     assert all(names.scalar(layer.mask)(points).max() < 0.1 for layer in recipe.layer[1:])
+
+
+def test_cracks_are_as_deep_as_their_furrow_even_where_that_is_wider_than_they_are_long():
+    sheet, depth = plane(12.0, cells=12), 0.1
+    bare = {"crista_height": 0.0, "grain_height": 0.0, "sulcus_depth": depth, "sulcus_width": 0.4}
+    fields = FieldSet(sheet, {}, {"up": lambda: DirectionField.from_axis(sheet, (0.0, 1.0, 0.0))})
+    for taper, deep_until in ((False, 1.0), (True, 0.5)):
+        leather = Leather(cell_size=1.0, stress="up", invasion=0.3, crack_taper=taper, **bare)
+        pattern = leather.place(sheet, 4, fields=fields)
+        table = pattern.features["crack"]
+        ends = SurfacePoints.trusted(
+            np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["end_barycentric"])
+        )
+        height = pattern.at(Samples(ends, np.full(len(table), 1e-4, np.float32)))["height_mm"]
+        inside = _reached(sheet, table) < deep_until + 1e-9
+        assert inside.sum() > 20
+        np.testing.assert_allclose(height[inside], -depth, atol=2e-3)
+        assert taper == (height[~inside].max(initial=-depth) > -0.9 * depth)
+
+
+def _reached(sheet, table):
+    """How much of its crack each piece has behind it, at its end."""
+    start, end = (
+        SurfacePoints.trusted(table["face"], np.ascontiguousarray(table[name])).positions(sheet)
+        for name in ("barycentric", "end_barycentric")
+    )
+    return (table["start_mm"] + np.linalg.norm(end - start, axis=1)) / table["length_mm"]
+
+
+def test_crowns_have_a_dark_pit_a_pale_rim_and_a_ring_of_dye():
+    sheet = plane(60.0, cells=12)
+    leather = Leather.preset("ostrich", mottle=0.0, cell_tone=0.0, dye=0.0)
+    pattern = leather.place(sheet, 2)
+    samples = samples_on(sheet, 20000)
+    answer, skeleton = pattern.at(samples), pattern.gather(samples)
+    share = skeleton.crown_mm / (leather.crown_width * skeleton.crown_scale)
+    green = answer["base_color"][:, 1]
+    pit, rim = green[skeleton.crown_mm < 0.15], green[(share > 0.6) & (share < 0.7)]
+    ring, hide = green[np.abs(share - 1) < 0.05], green[share > 1.6]
+    assert np.median(pit) < 0.5 * np.median(rim)
+    assert np.median(ring) < 0.85 * np.median(hide) < np.median(rim)
+    risen = answer["height_mm"]
+    assert np.median(risen[(share > 0.5) & (share < 0.6)]) > np.median(risen[share > 1.3]) + 0.4

@@ -71,7 +71,7 @@ class Leather(Checked):
     invasion_mode: Literal["length", "relative"] = _field(
         "length", "cracks", "Whether `invasion` is millimetres, or a factor of the furrow's half length."
     )
-    crack_taper: bool = _field(True, "cracks", "Whether cracks run out to nothing at their tips.")
+    crack_taper: bool = _field(True, "cracks", "Whether cracks run out to nothing over their outer half.")
 
     stress: str | None = _field(None, "wrinkles", "Direction field that wrinkles and cracks follow.")
     wrinkle_count: int = _field(0, "wrinkles", "Number of wrinkles.", ge=0)

@@ -341,7 +341,7 @@ class LeatherPattern:
         table, own, along = self.features[kind], piece[near], along[near]
         length = table["length_mm"][own]
         if kind == "crack":
-            left = 1 - along / length if self.leather.crack_taper else np.ones(len(near))
+            left = 2 * (1 - along / length) if self.leather.crack_taper else np.ones(len(near))
         elif self.leather.wrinkle_taper > 0:
             left = np.minimum(along, length - along) / np.minimum(self.leather.wrinkle_taper, length / 2)
         else:

@@ -13,6 +13,12 @@ from surftex.materials.leather.model import Leather
 Float = NDArray[np.float32]
 Part = NDArray[np.floating] | np.float32
 
+_FOOT = 0.45
+"""Width of the ring of dye around a crown, as a share of the crown's own."""
+
+_FOOT_DYE = 0.55
+"""How much of a pore's dye that ring holds."""
+
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
@@ -90,7 +96,7 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
     if skeleton.crack_mm is not None and skeleton.crack_share is not None:
         width = leather.sulcus_width * skeleton.crack_share
         crack = valley(skeleton.crack_mm, width, footprint_mm, dimension=1) * skeleton.crack_share
-        furrow = np.maximum(furrow, crack) if leather.crack_taper else np.minimum(furrow + crack, 1)
+        furrow = np.maximum(furrow, crack)
     relief = -leather.sulcus_depth * furrow
 
     wrinkle: Part = np.float32(0)
@@ -120,23 +126,26 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
         relief = relief - leather.pore_depth * pore
 
     crown: Part = np.float32(0)
+    pit: Part = np.float32(0)
     if skeleton.crown_mm is not None and skeleton.crown_scale is not None:
-        t = np.minimum(skeleton.crown_mm / (leather.crown_width * skeleton.crown_scale), 1)
-        crown = (1 - t * t) ** 2
+        width = leather.crown_width * skeleton.crown_scale
+        t = np.minimum(skeleton.crown_mm / width, 1)
+        crown = (1 - t * t * t) ** 2
         pit = valley(skeleton.crown_mm, leather.crown_pit_width, footprint_mm, dimension=2)
+        foot = valley(np.abs(skeleton.crown_mm - width), _FOOT * width, footprint_mm, dimension=1)
         height = height * (1 - 0.6 * crown)
         relief = (
             relief * (1 - 0.6 * crown)
             + leather.crown_height * skeleton.crown_scale * crown
             - leather.crown_pit_depth * pit
         )
-        pore = np.maximum(pore, pit)
+        pore = np.maximum(pore, np.maximum(pit, _FOOT_DYE * foot))
     grain = skeleton.grain * (1 - 0.7 * furrow)
     height = height + relief + leather.grain_height * grain
     return Layers(
         {
             "height_mm": height.astype(np.float32),
-            **_finish(leather, skeleton, crest, furrow, wrinkle, pore, crown),
+            **_finish(leather, skeleton, crest, furrow, wrinkle, pore, crown, pit),
         }
     )
 
@@ -149,13 +158,14 @@ def _finish(
     wrinkle: Part,
     pore: Part,
     crown: Part,
+    pit: Part,
 ) -> dict[str, NDArray]:
-    """Dye pools in furrows, wrinkles and pores; crests are worn, polished and paler; the tone drifts."""
+    """Dye pools in furrows, wrinkles, pores and around crowns; crests are worn, polished and paler; the tone drifts."""
     drift = skeleton.mottle
     deep = np.maximum(smoothstep(0.15, 0.9, furrow), 0.8 * wrinkle)
     dye = np.clip(leather.dye * deep + leather.pore_dye * pore, 0, 1)
-    high = smoothstep(0.55, 0.98, crest) * (1 - deep)
-    worn = leather.wear * np.clip(np.maximum(high, crown) * (0.8 + 0.9 * drift), 0, 1)
+    high = np.maximum(smoothstep(0.55, 0.98, crest) * (1 - deep), crown) * (1 - pit)
+    worn = leather.wear * np.clip(high * (0.8 + 0.9 * drift), 0, 1)
     tone = 1 + 2 * leather.mottle * drift + leather.cell_tone * (2 * skeleton.tone - 1)
     color = np.zeros((len(drift), 3), np.float32)
     for channel, tint in enumerate((1.0, 1.05, 1.1)):
