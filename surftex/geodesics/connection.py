@@ -226,7 +226,7 @@ class Connection:
         matrix = self.laplacian + diags_array(pull + floor)
         if len(value) > FACTORED_VERTICES:
             return solved_by_steps(matrix, pull * value, np.where(pull > 0, value, 0.0))
-        return Factors(matrix, self.surface.vertices).solve(pull * value)
+        return Factors(matrix).solve(pull * value)
 
     def lowest(self, start: NDArray[np.complex128], *, most: int = 60) -> NDArray[np.complex128]:
         """Smoothest field on each component, by inverse iteration in Krylov spaces (Lanczos [1]_).
@@ -249,9 +249,7 @@ class Connection:
         """
         mass = np.where(self.mass > 0, self.mass, 1.0)
         area = np.bincount(self.component, mass)
-        solver = Factors(
-            self.laplacian + diags_array(1e-6 * mass / area[self.component]), self.surface.vertices
-        )
+        solver = Factors(self.laplacian + diags_array(1e-6 * mass / area[self.component]))
         share = mass / area[self.component]
         value, moving = self._scaled(start, share), True
         while moving and most > 0:

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import diags_array
+from scipy.sparse import block_diag, csc_array, csr_array, diags_array
+from scipy.sparse.linalg import splu
 
 from surftex.errors import SurfaceError
 from surftex.geodesics import connection
@@ -222,11 +223,41 @@ def test_the_same_bytes_again_and_turning():
     np.testing.assert_allclose(arms_apart(quarter.angle_rad, one.angle_rad, 2), np.pi / 2, atol=1e-9)
 
 
-def test_the_order_of_elimination_is_a_permutation():
-    shape = bumpy(4)
-    rows = Connection(shape, 1).laplacian.tocsr()
-    order = nested_order(rows, shape.vertices)
-    np.testing.assert_array_equal(np.sort(order), np.arange(len(shape.vertices)))
+def neighbours_of(pairs, count):
+    """A graph as rows."""
+    pairs = np.array(pairs)
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    return csr_array((np.ones(len(both)), both.T), shape=(count, count))
+
+
+GRAPHS = {
+    "ball": lambda: Connection(sphere(10.0, subdivisions=4), 1).laplacian.tocsr(),
+    "bumps": lambda: Connection(bumpy(4), 1).laplacian.tocsr(),
+    "two bodies": lambda: block_diag([Connection(bumpy(3), 1).laplacian] * 2).tocsr(),
+    "path": lambda: neighbours_of([(i, i + 1) for i in range(2999)], 3000),
+    "fan": lambda: neighbours_of(
+        [(0, i) for i in range(1, 3000)] + [(i, i + 1) for i in range(1, 2999)], 3000
+    ),
+    "single vertices": lambda: csr_array((500, 500)),
+}
+
+
+@pytest.mark.parametrize("name", GRAPHS)
+def test_rings_part_a_graph_and_fill_little(name):
+    rows = csr_array(GRAPHS[name]())
+    count = rows.shape[0]
+    order = nested_order(rows)
+    np.testing.assert_array_equal(np.sort(order), np.arange(count))
+    matrix = csr_array(abs(rows))
+    matrix = csc_array(matrix + diags_array(matrix.sum(axis=1) + 1.0))
+
+    def fill(order):
+        options = {"SymmetricMode": True}
+        return splu(
+            matrix[order][:, order], permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options
+        ).L.nnz
+
+    assert fill(order) < 0.5 * splu(matrix, permc_spec="COLAMD").L.nnz + 12 * count
 
 
 def test_wrong_input_is_named():

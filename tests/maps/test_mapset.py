@@ -79,7 +79,7 @@ def test_same_bytes_for_any_threads(ball, tmp_path):
 def test_overwrites_only_when_told(ball, tmp_path):
     (tmp_path / "ball_height.exr").write_text("mine")
     (tmp_path / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match=r"the first is ball_height\.exr"):
+    with pytest.raises(InputError, match=r"holds ball_height\.exr already"):
         ball.save(tmp_path)
     assert len(list(tmp_path.iterdir())) == 2
     ball.save(tmp_path, overwrite=True)
