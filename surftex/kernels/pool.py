@@ -1,6 +1,7 @@
 """Slices of a serial kernel over a few threads: same bytes for any number of them, with progress and cancel."""
 
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
@@ -168,6 +169,19 @@ def slices(
 _BLAS = threading.Lock()
 _LIMITS: list[Any] = []
 _HOLDERS = 0
+_KNOWN: dict[int, Any] = {}
+
+
+def _libraries() -> Any:
+    """Look up the BLAS libraries of this process; it takes a millisecond, and again only once modules were imported."""
+    found = _KNOWN.get(len(sys.modules))
+    if found is None:
+        from threadpoolctl import ThreadpoolController
+
+        _KNOWN.clear()
+        modules = len(sys.modules)
+        found = _KNOWN[modules] = ThreadpoolController()
+    return found
 
 
 @contextmanager
@@ -181,12 +195,10 @@ def one_blas_thread() -> Iterator[None]:
     None
         The block in which it holds, also for libraries that were loaded in a block around it.
     """
-    from threadpoolctl import threadpool_limits
-
     global _HOLDERS
     with _BLAS:
         _HOLDERS += 1
-        _LIMITS.append(threadpool_limits(limits=1, user_api="blas"))
+        _LIMITS.append(_libraries().limit(limits=1, user_api="blas"))
     try:
         yield
     finally:
