@@ -283,7 +283,8 @@ def _surface(subject: Any, recipe: Recipe) -> Surface:
     mesh = recipe.mesh
     if isinstance(subject, Surface):
         return subject
-    return load(mesh.path if subject is None else subject, units=mesh.units, size=mesh.size, part=mesh.part)
+    path = mesh.path if subject is None else subject
+    return load(path, units=mesh.units, size=mesh.size, part=mesh.part, crease=mesh.crease)
 
 
 def _features(features: Any, most: int) -> Any:

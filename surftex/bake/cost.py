@@ -166,14 +166,16 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
         ``faces``, ``cells``, ``tiles``, ``seconds`` of CPU time, ``memory_mb``; or, where the mesh cannot be read, or
         there would be too many features or tiles, ``problem`` and ``exit_code``.
     """
-    from surftex.files.meshes import load
+    from surftex.bake.loading import load
 
     last, found = None, None
     for recipe in recipes:
         mesh, side = recipe.mesh, recipe.bake.resolution
         if found is None or mesh != last:
             try:
-                surface = load(mesh.path or "", units=mesh.units, size=mesh.size, part=mesh.part)
+                surface = load(
+                    mesh.path or "", units=mesh.units, size=mesh.size, part=mesh.part, crease=mesh.crease
+                )
             except SurftexError as problem:
                 found = problem
             else:

@@ -2,10 +2,12 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from numpy.typing import ArrayLike
 
+from surftex.surface.creases import crease_notes, creased
 from surftex.surface.surface import Surface
 
 
@@ -15,6 +17,7 @@ def load(
     units: str | None = None,
     size: str | float | None = None,
     part: str | None = None,
+    crease: float | None = None,
     attributes: Mapping[str, ArrayLike] | None = None,
 ) -> Surface:
     """Load a mesh: from a file, or from what another library holds in memory.
@@ -30,6 +33,9 @@ def load(
         Length of the longest side, such as ``"300 mm"``; overrules `units`.
     part : str, optional
         Material slot, group, node or geometry to keep.
+    crease : float, optional
+        Degrees: edges that bend by more are hard, and the others are shaded smoothly, whatever normals the mesh has; 0 is
+        flat. Without it the mesh's own normals, or smooth ones.
     attributes : mapping of str to (n,), (n, k), (m,) or (m, k) float, optional
         For a mesh in memory: numbers of its n vertices or m faces by name, for fields to read. Files bring their
         own; `Surface.with_attributes` hangs more on any surface.
@@ -53,7 +59,11 @@ def load(
                 "attributes go with a mesh in memory; for a file, take load(path).with_attributes(...)"
             )
 
-        return load_file(mesh, units=units, size=size, part=part)
-    from surftex.files.doors import as_surface
+        surface = load_file(mesh, units=units, size=size, part=part)
+    else:
+        from surftex.files.doors import as_surface
 
-    return as_surface(mesh, units=units or "mm", size=size, part=part, attributes=attributes)
+        surface = as_surface(mesh, units=units or "mm", size=size, part=part, attributes=attributes)
+    if crease is not None:
+        return creased(surface, crease)
+    return replace(surface, warnings=surface.warnings + crease_notes(surface))

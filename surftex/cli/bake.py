@@ -137,7 +137,7 @@ def make_recipe(options: Namespace) -> "Recipe":
     if own and recipe.mesh.path is None:
         raise RecipeError(f"{options.subject}: names no mesh; add path under [mesh], or write "
                           f"surftex bake MESH --material {options.subject}")  # fmt: skip
-    scale = {key: getattr(options, key) for key in ("units", "size", "part")}
+    scale = {key: getattr(options, key) for key in ("units", "size", "part", "crease")}
     return composed(
         recipe, None if own else options.subject, scale,
         resolution=options.resolution,

@@ -27,18 +27,18 @@ def run(options: Namespace) -> None:
         If there is no surface in the file, or no such material.
     """
     from surftex.bake.cost import bake_cost
+    from surftex.bake.loading import load
     from surftex.bake.scales import scale_report
     from surftex.bake.unwrapping import own_uv_plan
-    from surftex.files.meshes import load
     from surftex.recipe.compose import composed
     from surftex.recipe.read import recipe_for
     from surftex.surface.inspect import describe
 
     material = options.material or _USUAL
-    scale = {key: getattr(options, key) for key in ("units", "size", "part")}
+    scale = {key: getattr(options, key) for key in ("units", "size", "part", "crease")}
     recipe = composed(recipe_for(material, allow_outside=options.allow_outside), options.subject, scale)
     mesh = recipe.mesh
-    surface = load(options.subject, units=mesh.units, size=mesh.size, part=mesh.part)
+    surface = load(options.subject, units=mesh.units, size=mesh.size, part=mesh.part, crease=mesh.crease)
     facts = describe(surface).as_dict()
     facts["own_uv"]["plan"] = own_uv_plan(surface, recipe.bake)
     cost = bake_cost(surface, material, recipe)

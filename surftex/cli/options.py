@@ -587,6 +587,10 @@ def _scale(parser: Parser) -> None:
         help='length of the longest side, such as "300 mm"; a bare number is millimetres',
     )
     parser.add_argument("--part", metavar="NAME", help="only this material slot, group or node")
+    parser.add_argument(
+        "--crease", type=_number, metavar="DEGREES",
+        help="edges that bend by more are hard, others smooth (default: the file's normals, or all smooth)",
+    )  # fmt: skip
 
 
 def _manner(parser: Parser) -> None:

@@ -99,7 +99,7 @@ def make_recipe(options: Namespace) -> "tuple[Recipe, str]":
     if own and recipe.mesh.path is None:
         raise RecipeError(f"{options.subject}: names no mesh; add path under [mesh], or write "
                           f"surftex preview MESH --material {options.subject}")  # fmt: skip
-    scale = {key: getattr(options, key) for key in ("units", "size", "part")}
+    scale = {key: getattr(options, key) for key in ("units", "size", "part", "crease")}
     whole = composed(recipe, None if own else options.subject, scale, seed=options.seed)
     return whole, Path(options.subject if own else material).stem
 
@@ -112,7 +112,7 @@ def _desk(options: Namespace, recipe: "Recipe") -> "Desk":
     if not 64 <= resolution <= 8192:
         raise RecipeError(f"--resolution {resolution}: a preview takes 64 to 8192")
     mesh = recipe.mesh
-    surface = load(mesh.path, units=mesh.units, size=mesh.size, part=mesh.part)
+    surface = load(mesh.path, units=mesh.units, size=mesh.size, part=mesh.part, crease=mesh.crease)
     if not options.quiet:
         for warning in surface.warnings:
             note(f"warning: {warning}")

@@ -470,14 +470,18 @@ def _lifted(
 ) -> NDArray[np.float64]:
     """Lift points from facets to about where the smooth surface lies, lest facets throw shadows on themselves.
 
-    A point goes to the blend of its projections onto the tangent planes of its corners [1]_.
+    A point goes to the blend of its projections onto the tangent planes of its corners [1]_; where these lean by 30 degrees
+    and more, the facet is meant to be one (a crate without normals), and beyond 45 nothing is lifted.
 
     References
     ----------
     .. [1] Hanika. Hacking the Shadow Terminator. Ray Tracing Gems II, chapter 4 (2021).
     """
     depth = np.minimum(np.einsum("nkc,nkc->nk", point[:, None] - corner, normal), 0)
-    return point - np.einsum("nk,nk,nkc->nc", weight, depth, normal)
+    facet = _unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
+    lean = np.abs(np.einsum("nc,nkc->nk", facet, normal)).min(axis=1)
+    share = np.clip((lean - np.cos(np.pi / 4)) / (np.cos(np.pi / 6) - np.cos(np.pi / 4)), 0, 1)
+    return point - share[:, None] * np.einsum("nk,nk,nkc->nc", weight, depth, normal)
 
 
 def _tangents(

@@ -41,6 +41,7 @@ class BatchOptions(BaseModel):
     units: Any = None
     size: Any = None
     part: Any = None
+    crease: Any = None
     set: Words = ()
 
 

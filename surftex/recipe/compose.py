@@ -19,7 +19,7 @@ def composed(recipe: Recipe, mesh: str | Path | None, scale: Mapping[str, Any], 
         Bake this one; the recipe's own without it. How the recipe's own mesh was to be read says nothing of
         another.
     scale : mapping
-        ``units``, ``size``, ``part``; None leaves what is there.
+        ``units``, ``size``, ``part``, ``crease``; None leaves what is there.
     **settings : Any
         As for `Recipe.of`.
 

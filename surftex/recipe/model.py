@@ -53,6 +53,10 @@ class MeshSettings(Checked):
     part: StrictStr | None = Field(
         default=None, description="A material slot, a face group or a node of the file."
     )
+    crease: Annotated[float, Field(ge=0, le=180, allow_inf_nan=False)] | None = Field(
+        default=None,
+        description="Degrees: edges that bend by more are hard, others smooth; without it the file's normals, or smooth ones.",
+    )
 
 
 def _map_list(value: Any) -> Any:

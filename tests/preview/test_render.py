@@ -14,6 +14,7 @@ from surftex.preview.sheet import contact_sheet, written
 from surftex.preview.studio import SoftBox, Studio
 from surftex.preview.texture import Pyramid, linear_light
 from surftex.surface.shapes import plane, sphere
+from surftex.surface.surface import Surface
 from tests.oracles.view import nearest_faces_slowly
 
 SMALL = {"size": (120, 90), "samples": 1}
@@ -58,6 +59,18 @@ def test_a_ball_is_lit_from_above_left_and_throws_a_shadow():
     floating = render(sphere(30.0, subdivisions=4), **SMALL, floor=False).astype(float)
     assert standing[-12:].mean() < floating[-12:].mean() - 2
     np.testing.assert_array_equal(standing[:5], floating[:5])
+
+
+def test_a_crate_without_normals_is_not_lifted_into_what_stands_before_it():
+    """Its corners' normals lean by 55 degrees: its sides are no facets of a round body."""
+    ball = sphere(50.0, subdivisions=3)
+    corner = np.array([[x, y, z] for z in (-105, -95) for y in (-100, 100) for x in (-150, 150)], float)
+    side = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6],
+            [1, 3, 5], [3, 7, 5]]  # fmt: skip
+    faces = np.concatenate([ball.faces, np.add(side, len(ball.vertices))])
+    both = Surface.from_arrays(np.concatenate([ball.vertices, corner]), faces)
+    picture = render(both, **SMALL)
+    assert picture.max(axis=2).min() > 20  # 0 where its points came to lie within the ball
 
 
 def test_raking_light_follows_what_is_seen():
