@@ -1,10 +1,7 @@
 """What a bake would cost, told before it is done: density, seconds, memory, within a factor of two or so."""
 
-import math
 from collections.abc import Iterable, Iterator
 from typing import Any
-
-import numpy as np
 
 from surftex.bake.locating import located
 from surftex.bake.stack import layer_seed
@@ -33,12 +30,6 @@ _OVER_DISKS = {"cell": 1.0, "grown cell": 2.6, "pixel": 1.43}
 _BEYOND = 1e15
 
 _CPU_S_PER = {"face": 6.0e-5, "cell": 1.2e-4, "grown cell": 3.6e-4, "pixel": 1.7e-4, "texel": 7.0e-7}
-_CPU_S_PER_PAIR = 8e-7
-"""Of cells that lie on or beside one face: their graph is found face by face, by comparing each with each."""
-
-_FEW = 40
-"""Cells beside a face up to which that is lost among the rest."""
-
 _START_S = 2.0
 _BYTES_PER = {
     "face": 1500,
@@ -90,17 +81,13 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     known = getattr(recipe.layer[0].material, "wavelengths_mm", dict)()
     made_of, size_mm = next(((kind, size) for kind, size in known.items() if size > 0), (None, None))
     finest = finest_kind(recipe)
-    threads, faces, alone_s = (
-        thread_count(None),
-        len(surface.faces),
-        _crowded_s(surface, counts.get("cell", 0)),
-    )
+    threads, faces = thread_count(None), len(surface.faces)
     pages = [
         {
             "resolution": side,
             "texels_per_mm": round(_density(surface, side), 4),
             "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
-            "seconds": round(_START_S + alone_s + _cpu_s(faces, counts, side) / (0.8 * threads + 0.2), 1),
+            "seconds": round(_START_S + _cpu_s(faces, counts, side) / (0.8 * threads + 0.2), 1),
             "memory_mb": _memory_mb(faces, counts, side),
             "disk_mb": _disk_mb(side),
         }
@@ -204,12 +191,12 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
         except SurftexError as problem:
             yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
-        faces, crowded_s = len(found.faces), _crowded_s(found, counts.get("cell", 0))
+        faces = len(found.faces)
         yield {
             "faces": faces,
             "cells": sum(counts.values()),
             "tiles": tiles,
-            "seconds": round(_START_S + crowded_s + _cpu_s(faces, counts, side, tiles), 1),
+            "seconds": round(_START_S + _cpu_s(faces, counts, side, tiles), 1),
             "memory_mb": _memory_mb(faces, counts, side, tiles),
         }
 
@@ -237,17 +224,6 @@ def _refuse_too_many(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | No
 
 def _density(surface: Surface, side: int) -> float:
     return side * (COVERAGE / surface.area_mm2) ** 0.5
-
-
-def _crowded_s(surface: Surface, cells: int) -> float:
-    """Seconds for large and long faces, beside which many cells lie."""
-    if cells == 0:
-        return 0.0
-    square = surface.area_mm2 / (0.7 * cells)  # of a cell's size
-    reach = 1.2 * square**0.5
-    around = surface.face_area_mm2 + surface.edge_length.sum(axis=1) * reach + math.pi * reach * reach
-    beside = around / (0.7 * square)
-    return _CPU_S_PER_PAIR * float((np.maximum(beside - _FEW, 0) ** 2).sum())
 
 
 def _cpu_s(faces: int, counts: dict[str, int], side: int, tiles: int = 1) -> float:

@@ -3,7 +3,7 @@
 Regions are followed along mesh edges first: the nearest source at both ends, and the NODES between, where the
 nearest changes. Both faces of an edge see the same nodes, so whatever a face makes of them fits its
 neighbours. Inside a face only the order of the nodes around a triangle counts: none, a border between two, a
-meeting point of three, or else the triangle is cut into four, with nodes of its own along the new sides.
+meeting point of three, or else the triangle is cut into four, with nodes of its own along the new sides; a long one in two.
 
 `found` = (flat (m, 3, 2), first, cells, grid: buckets; start, entry_row, entry_least; row, row_id) of a flood of
 points. A region inside a triangle that shows on none of its sides holds its own site, since a region is
@@ -16,11 +16,14 @@ from surftex.kernels.buckets import bucket_of
 from surftex.kernels.evaluate import distance_to
 from surftex.kernels.jit import kernel, part
 
-DEPTH = 36
-"""Most cuts of a face, one inside the other."""
+DEPTH = 72
+"""Halvings of a face, one inside the other, after which a triangle is cut no further."""
 
 EVEN = 1e-11
 """Share of the scale up to which two distances are the same."""
+
+LONG = 6.0
+"""Longest side over height from which on a triangle is cut in two: four needles would be as long for their width as one."""
 
 BEND = 2e-5
 """Share of the scale by which a straight piece of border may miss the true one."""
@@ -302,6 +305,32 @@ def _beside(spot, i, x, y):
     return here > 0.5 * (dx * (spot[i, 1] - spot[j, 1]) - dy * (spot[i, 0] - spot[j, 0]))
 
 
+@part
+def _longest(triangle, t, long):
+    """Side to cut a triangle at, if it is longer than `long` times the triangle's height over it; -1 for none."""
+    side, square = -1, 0.0
+    for i in range(3):
+        j = i + 1 if i < 2 else 0
+        dx, dy = triangle[t, 2 * j] - triangle[t, 2 * i], triangle[t, 2 * j + 1] - triangle[t, 2 * i + 1]
+        if dx * dx + dy * dy > square:
+            side, square = i, dx * dx + dy * dy
+    double = (triangle[t, 2] - triangle[t, 0]) * (triangle[t, 5] - triangle[t, 1])
+    double -= (triangle[t, 3] - triangle[t, 1]) * (triangle[t, 4] - triangle[t, 0])
+    return side if square > long * abs(double) else -1
+
+
+@part
+def _put(w, i, x, y, low, high, back, owner, triangle, triangle_id):
+    """Write corner i of triangle w, and the nodes of the side that begins there."""
+    triangle[w, 2 * i], triangle[w, 2 * i + 1] = x, y
+    triangle_id[w, i], triangle_id[w, 3 + i], triangle_id[w, 6 + i], triangle_id[w, 9 + i] = (
+        low,
+        high,
+        back,
+        owner,
+    )
+
+
 @kernel
 def face_borders(
     begin, end, faces, found, scale, vertex_owner, face_edge, face_back, edge_start, place, edge_owner, site_start,
@@ -432,6 +461,88 @@ def face_borders(
                     continue
             if last:
                 continue
+            side = _longest(triangle, t, LONG)
+            if side >= 0:
+                # Cut in two, from the middle of the longest side to the corner across from it.
+                i, j, k = side, (side + 1) % 3, (side + 2) % 3
+                for c in range(3):
+                    spot[c, 0], spot[c, 1] = triangle[t, 2 * c], triangle[t, 2 * c + 1]
+                    for column in range(4):
+                        cut[c, column] = triangle_id[t, 3 * column + c]
+                low, high, back = cut[i, 0], cut[i, 1], cut[i, 2]
+                begins, ends = (j, i) if back else (i, j)
+                split = _half(node, low, high, triangle, t, begins, ends)
+                between = node_owner[split - 1, 1] if split > low else cut[begins, 3]
+                mx, my = 0.5 * (spot[i, 0] + spot[j, 0]), 0.5 * (spot[i, 1] + spot[j, 1])
+                made = _follow(
+                    found, scale, f, mx, my, between, spot[k, 0], spot[k, 1], cut[k, 3], todo, todo_id, share, node_owner,
+                    used,
+                )  # fmt: skip
+                if made < 0:
+                    code = 3 if made == -1 else 4
+                    break
+                for n in range(used, made):
+                    node[n, 0], node[n, 1] = (
+                        mx + share[n] * (spot[k, 0] - mx),
+                        my + share[n] * (spot[k, 1] - my),
+                    )
+                    node_id[n] = counts[3] + counts[2]
+                    counts[2] += 1
+                moved, held = triangle_id[t, 13], triangle_id[t, 14]
+                first_low, first_high = (split, high) if back else (low, split)
+                last_low, last_high = (low, split) if back else (split, high)
+                for w in range(t, t + 2):
+                    triangle_id[w, 12], triangle_id[w, 13] = depth + 1, moved
+                    for n in range(moved, held):
+                        place_x, place_y = site_flat[inside[n], 0] - mx, site_flat[inside[n], 1] - my
+                        if w > t or (spot[k, 0] - mx) * place_y - (spot[k, 1] - my) * place_x > 0:
+                            kept = inside[n]
+                            inside[n] = inside[moved]
+                            inside[moved] = kept
+                            moved += 1
+                    triangle_id[w, 14] = moved
+                _put(
+                    t,
+                    0,
+                    spot[i, 0],
+                    spot[i, 1],
+                    first_low,
+                    first_high,
+                    back,
+                    cut[i, 3],
+                    triangle,
+                    triangle_id,
+                )
+                _put(t, 1, mx, my, used, made, 0, between, triangle, triangle_id)
+                _put(
+                    t,
+                    2,
+                    spot[k, 0],
+                    spot[k, 1],
+                    cut[k, 0],
+                    cut[k, 1],
+                    cut[k, 2],
+                    cut[k, 3],
+                    triangle,
+                    triangle_id,
+                )
+                _put(t + 1, 0, mx, my, last_low, last_high, back, between, triangle, triangle_id)
+                _put(
+                    t + 1,
+                    1,
+                    spot[j, 0],
+                    spot[j, 1],
+                    cut[j, 0],
+                    cut[j, 1],
+                    cut[j, 2],
+                    cut[j, 3],
+                    triangle,
+                    triangle_id,
+                )
+                _put(t + 1, 2, spot[k, 0], spot[k, 1], used, made, 1, cut[k, 3], triangle, triangle_id)
+                used = made
+                waiting += 2
+                continue
             # Cut into four: corner i with the middles of the sides beside it, and the triangle of the middles.
             for i in range(3):
                 j = i + 1 if i < 2 else 0
@@ -470,7 +581,7 @@ def face_borders(
             for i in range(4):
                 w = waiting
                 waiting += 1
-                triangle_id[w, 12], triangle_id[w, 13] = depth + 1, moved
+                triangle_id[w, 12], triangle_id[w, 13] = depth + 2, moved
                 for k in range(moved, held):
                     if i == 3 or _beside(spot, i, site_flat[inside[k], 0], site_flat[inside[k], 1]):
                         kept = inside[k]

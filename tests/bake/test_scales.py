@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 
 import surftex as sx
@@ -11,7 +10,6 @@ from surftex.bake.scales import size_warnings
 from surftex.cli import main
 from surftex.recipe.model import Recipe
 from surftex.surface.shapes import plane, sphere
-from surftex.surface.surface import Surface
 
 
 def warned(ball, leather, **options):
@@ -137,22 +135,3 @@ def test_inspect_takes_a_recipe_and_says_what_is_wrong_with_it(tmp_path, capsys)
     assert main(["inspect", *mesh, "--material", "no-such"]) == 2
     assert main(["inspect", *mesh]) == 0
     assert "a bake of calf: about" in capsys.readouterr().out
-
-
-def test_long_faces_cost_more_than_short_ones():
-    """A tube of needles beside one of small faces: same area, same cells."""
-
-    def tube(rows):
-        turn = np.arange(60) * 2 * np.pi / 60
-        points = [[8 * np.cos(t), 8 * np.sin(t), 200 * k / rows] for k in range(rows + 1) for t in turn]
-        faces = []
-        for k in range(rows):
-            for i in range(60):
-                a, b = 60 * k + i, 60 * k + (i + 1) % 60
-                faces += [[a, b, b + 60], [a, b + 60, a + 60]]
-        return Surface.from_arrays(points, faces)
-
-    leather = Recipe.of(sx.Leather.preset("calf", cell_size=1.5))
-    long, short = (bake_cost(tube(rows), "mine", leather)["pages"][0]["seconds"] for rows in (1, 120))
-    assert long > short + 10
-    assert short < 8

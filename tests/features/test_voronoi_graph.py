@@ -25,11 +25,35 @@ def cube(side_mm=20.0):
     return Surface.from_arrays(corners, faces)
 
 
+def needles(columns=48, radius_mm=8.0, length_mm=150.0):
+    """A closed tube whose wall is triangles from end to end."""
+    turn = 2 * np.pi * np.arange(columns) / columns
+    ring = np.stack([radius_mm * np.cos(turn), radius_mm * np.sin(turn)], axis=1)
+    points = [
+        *([x, y, 0.0] for x, y in ring),
+        *([x, y, length_mm] for x, y in ring),
+        [0, 0, 0],
+        [0, 0, length_mm],
+    ]
+    faces = []
+    for i in range(columns):
+        j = (i + 1) % columns
+        low, high = 2 * columns, 2 * columns + 1
+        faces += [
+            [i, j, columns + j],
+            [i, columns + j, columns + i],
+            [low, j, i],
+            [high, columns + i, columns + j],
+        ]
+    return Surface.from_arrays(points, faces)
+
+
 CASES = {
     "several faces a cell": (lambda: sphere(20.0, subdivisions=5), 3.0, 1.0, 2),
     "several cells a face": (lambda: sphere(20.0, subdivisions=1), 1.5, 1.0, 2),
     "twelve faces": (cube, 1.0, 1.0, 2),
     "long cells": (lambda: sphere(20.0, subdivisions=4), 3.0, 2.0, 2),
+    "needles": (needles, 2.0, 1.0, 2),
     "a hole": (lambda: torus(15.0, 6.0, columns=60, rows=30), 2.0, 1.0, 0),
 }
 
@@ -62,6 +86,12 @@ def test_both_sites_of_a_border_are_nearest_all_along_it(case):
     site, distance = nearest(records, graph.vertices, 3)
     assert (distance[:, 2] - distance[:, 0]).max() < 1e-8 * spacing
     assert (np.sort(site, axis=1) == graph.vertex_region).all(axis=1).mean() > 0.999
+
+
+def test_borders_across_needles_are_not_cut_to_pieces():
+    surface = needles()
+    graph = VoronoiGraph.of(surface, poisson_disk(surface, 2.0, stream(1, "needles")))
+    assert np.bincount(graph.pieces.curve).mean() < 60  # 34; 365 where needles were cut into four needles
 
 
 def test_pieces_of_a_border_hang_together_with_the_lower_region_on_the_left():
