@@ -27,7 +27,8 @@ from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
 
 EXACT_PX = 4.0
-"""A good distance beyond which gutter texels share places: bilinear lookup in mips 0 to 2 reads none of them."""
+"""A good distance beyond which gutter texels share places: bilinear lookup across an edge reads none of them in mips 0 and 1,
+and in coarser ones the middle of the four that become one."""
 
 
 @dataclass(frozen=True, eq=False)

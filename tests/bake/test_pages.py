@@ -26,6 +26,12 @@ def tube():
     return surface, unwrap(surface, method="uvunwrap", resolution=256)
 
 
+@pytest.fixture(scope="module")
+def ball():
+    surface = sphere(20.0, subdivisions=3)
+    return surface, unwrap(surface, method="uvunwrap", resolution=128, gutter_px=12)
+
+
 MAPS = ("normal", "height", "base_color", "region", "ambient_occlusion")
 
 
@@ -40,18 +46,26 @@ def test_tiles_and_threads_change_no_byte(tube, tile_rows, threads):
         assert whole.images[name].tobytes() == parts.images[name].tobytes(), name
 
 
-def test_the_page_holds_what_the_pattern_says_at_its_texels(tube):
-    from surftex.charts.texels import texels
+@pytest.mark.parametrize(
+    ("shape", "gutter", "tile_rows"), [("tube", 3, None), ("ball", 12, None), ("ball", 12, 31)]
+)
+def test_the_page_holds_what_the_pattern_says_at_its_texels(shape, gutter, tile_rows, request):
+    from surftex.charts.texels import EXACT_PX, texels
+    from surftex.maps.normal import normal_map
 
-    surface, atlas = tube
+    surface, atlas = request.getfixturevalue(shape)
     stack = stacked(surface, Layer(material=Waves()))
-    pages = bake_pages(surface, atlas, stack, 128, ("height", "base_color", "normal"))
-    tile = texels(surface, atlas, 128)
+    asked = ("height", "base_color", "normal")
+    pages = bake_pages(surface, atlas, stack, 128, asked, gutter_px=gutter, tile_rows=tile_rows)
+    tile = texels(surface, atlas, 128, gutter_px=gutter, exact_px=EXACT_PX)
+    assert (np.count_nonzero(tile.source != np.arange(len(tile))) > 500) == (gutter > 3)
     expected = stack.at(tile.samples, ("height_mm", "base_color"))
     np.testing.assert_array_equal(pages.images["height"].ravel()[tile.texel], expected["height_mm"])
     np.testing.assert_array_equal(
         pages.images["base_color"].reshape(-1, 3)[tile.texel], expected["base_color"]
     )
+    normal = normal_map(surface, atlas, tile, expected["height_mm"])
+    np.testing.assert_allclose(pages.images["normal"].reshape(-1, 3)[tile.texel], normal, atol=1e-6)
     np.testing.assert_allclose(np.linalg.norm(pages.images["normal"], axis=2), 1, atol=1e-5)
     assert pages.core == tile.core.sum()
     assert pages.mapped == len(tile)
