@@ -17,7 +17,7 @@ from surftex.arrays import read_only_view
 from surftex.bake.stack import Stack
 from surftex.charts.atlas import Atlas
 from surftex.charts.fill import fill_nearest
-from surftex.charts.texels import EXACT_PX, Texels, default_gutter_px, texels
+from surftex.charts.texels import EXACT_PX, TexelPage, Texels, default_gutter_px
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
 from surftex.materials.layers import CHANNELS, RAW
@@ -183,13 +183,11 @@ def _bake_page(
         for name, image in images.items()
         if name not in (*_FROM_HEIGHT, "region")
     }
-    beyond = tools.margin_px(gutter)
+    ground, beyond = TexelPage.of(surface, atlas, resolution, gutter), tools.margin_px(gutter)
     for first, last in _tiles(resolution, tile_rows, beyond):
         margin = beyond if last - first < resolution else 0
         rows = (max(0, first - margin), min(resolution, last + margin))
-        tile = texels(
-            surface, atlas, resolution, gutter_px=gutter, exact_px=EXACT_PX, rows=rows, threads=threads
-        )
+        tile = ground.texels(rows, exact_px=EXACT_PX, threads=threads)
         share = (
             None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
         )

@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import frozen
-from surftex.charts.bands import BAND_ROWS, band_lists
+from surftex.charts.bands import BAND_ROWS, Bands
 from surftex.kernels.pool import slices
 
 MARGIN_PX = 1e-3
@@ -34,7 +33,7 @@ def overlapping_faces(
     """
     from surftex.kernels.raster import overlap_band
 
-    start, item = band_lists(corner_px[..., 1].min(axis=1), corner_px[..., 1].max(axis=1), resolution)
+    bands = Bands.of_faces(corner_px, resolution)
 
     def work(band: int, _: int) -> tuple[int, NDArray[np.int32]]:
         top = band * BAND_ROWS
@@ -44,13 +43,11 @@ def overlapping_faces(
             np.full(shape, -1, np.int32),
             np.full(shape, -1, np.int32),
         )
-        overlap_band(
-            corner_px, frozen(item[start[band] : start[band + 1]]), top, MARGIN_PX, count, first, second
-        )
+        overlap_band(corner_px, bands[band], top, MARGIN_PX, count, first, second)
         hit = count > 1
         return int(hit.sum()), np.unique(np.stack([first[hit], second[hit]], axis=1), axis=0)
 
-    found = slices(work, len(start) - 1, size=1, threads=threads)
+    found = slices(work, len(bands), size=1, threads=threads)
     pairs = np.concatenate([pairs for _, pairs in found])
     return sum(count for count, _ in found), np.unique(pairs, axis=0)
 
@@ -76,15 +73,13 @@ def core_faces(
     """
     from surftex.kernels.raster import raster_band
 
-    start, item = band_lists(corner_px[..., 1].min(axis=1), corner_px[..., 1].max(axis=1), resolution)
+    bands = Bands.of_faces(corner_px, resolution)
     face = np.full((resolution, resolution), -1, np.int32)
 
     def work(band: int, _: int) -> None:
         top = band * BAND_ROWS
         rows = face[top : top + BAND_ROWS]
-        raster_band(
-            corner_px, frozen(item[start[band] : start[band + 1]]), top, rows, np.zeros((*rows.shape, 3))
-        )
+        raster_band(corner_px, bands[band], top, rows, np.zeros((*rows.shape, 3)))
 
-    slices(work, len(start) - 1, size=1, threads=threads)
+    slices(work, len(bands), size=1, threads=threads)
     return face

@@ -4,7 +4,7 @@
   matter.
 * gutter: within `gutter_px` of a chart; the texel shows what the surface shows beyond the chart's edge: the
   straight line from the nearest edge, unfolded over the neighbouring faces, so that bilinear lookup agrees
-  on both sides. Far from edges, where only coarse mips look, two by two texels may show the place between them.
+  on both sides. Far from edges, where only coarse mips look, blocks of texels may show the place in their middle.
 * the rest stands for no place; `Texels.image` gives it the value of the nearest mapped texel.
 
 Any range of rows has the same bytes as those rows of the whole page.
@@ -19,16 +19,16 @@ from numpy.typing import NDArray
 
 from surftex.arrays import frozen
 from surftex.charts.atlas import Atlas
-from surftex.charts.bands import BAND_ROWS, band_lists
+from surftex.charts.bands import BAND_ROWS, Bands
 from surftex.charts.fill import fill_nearest
 from surftex.errors import InputError
 from surftex.kernels.pool import Tick, slices
 from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
 
-EXACT_PX = 4.0
-"""A good distance beyond which gutter texels share places: bilinear lookup across an edge reads none of them in mips 0 and 1,
-and in coarser ones the middle of the four that become one."""
+EXACT_PX = 2.0
+"""A good distance beyond which gutter texels share places, two by two, and beyond four times of it four by four: bilinear
+lookup across an edge reads none of them in mip 0, and in coarser ones the middle of the texels that become one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,8 @@ class Texels:
     turn_rad : (t,) float32
         Rotation that carries directions from the frame of `host` into the frame of the point's face.
     source : (t,) int32
-        Row of the texel whose point and footprint each has: its own, but in blocks of the far gutter that of the first.
+        Row of the texel whose point and footprint each has: its own, but in blocks of the far gutter that of the first
+        of those that are here.
     """
 
     width: int
@@ -165,7 +166,8 @@ def texels(
     gutter_px : int, optional
         Width of the gutter in texels; the atlas' own without it, or 16 where it has none.
     exact_px : float
-        Distance from edges, in texels, beyond which two by two gutter texels share the place between them.
+        Distance from edges, in texels, beyond which two by two gutter texels share the place between them; four by
+        four do beyond four times of it.
     rows : (int, int), optional
         First row and one past the last; the whole page without it.
     threads : int, optional
@@ -183,97 +185,165 @@ def texels(
     InputError
         If the atlas has other faces than the surface, or the rows lie outside the page.
     """
-    from surftex.kernels.gutter import continue_band, find_leaders, nearest_edge_band
-    from surftex.kernels.raster import raster_band
-
-    if len(atlas.corner_uv) != len(surface.faces):
-        raise InputError(
-            f"the atlas has {len(atlas.corner_uv)} faces, the surface {len(surface.faces)}; unwrap anew"
-        )
-    if resolution < 1:
-        raise InputError(f"resolution is {resolution}; it takes at least 1 texel")
-    first, last = (0, resolution) if rows is None else rows
-    if not 0 <= first < last <= resolution:
-        raise InputError(f"rows {first} to {last} lie outside the page's 0 to {resolution}")
-    radius = float(default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px)
-    corner = atlas.corner_px(resolution)
-    face_start, face_item = band_lists(corner[..., 1].min(axis=1), corner[..., 1].max(axis=1), resolution)
-    edge_face, edge_side = (frozen(part.astype(np.int32)) for part in np.nonzero(atlas.seam))
-    ends = np.stack([corner[edge_face, edge_side, 1], corner[edge_face, (edge_side + 1) % 3, 1]])
-    edge_start, edge_item = band_lists(ends.min(axis=0) - radius, ends.max(axis=0) + radius, resolution)
-    flat, neighbor, neighbor_edge, transport = (
-        surface.flat,
-        surface.neighbor,
-        surface.neighbor_edge,
-        surface.transport,
+    page = TexelPage.of(surface, atlas, resolution, gutter_px)
+    return page.texels(
+        (0, resolution) if rows is None else rows, exact_px=exact_px, threads=threads, tick=tick
     )
 
-    def work(first_band: int, last_band: int) -> tuple[NDArray[Any], ...]:
-        band = first_band + first // BAND_ROWS
-        top, bottom = band * BAND_ROWS, min(resolution, (band + 1) * BAND_ROWS)
-        shape = (bottom - top, resolution)
-        face, weight = np.full(shape, -1, np.int32), np.zeros((*shape, 3))
-        raster_band(corner, frozen(face_item[face_start[band] : face_start[band + 1]]), top, face, weight)
-        host, turn, core, follows = face.copy(), np.zeros(shape), face >= 0, np.zeros(shape, bool)
-        if radius > 0:
-            near, square, owner = (
-                np.full(shape, np.inf),
-                np.full(shape, -np.inf),
-                np.full(shape, -1, np.int32),
+
+@dataclass(frozen=True, eq=False)
+class TexelPage:
+    """A page of an atlas, ready to be asked for rows of texels; make it with `TexelPage.of`."""
+
+    surface: Surface
+    resolution: int
+    gutter_px: float
+    corner: NDArray[np.float64]
+    faces: Bands
+    edge_face: NDArray[np.int32]
+    edge_side: NDArray[np.int32]
+    edges: Bands
+    footprint_mm: NDArray[np.float32]
+
+    @staticmethod
+    def of(surface: Surface, atlas: Atlas, resolution: int, gutter_px: int | None = None) -> "TexelPage":
+        """Find what may matter to which rows.
+
+        Parameters
+        ----------
+        surface : Surface
+            What is baked.
+        atlas : Atlas
+            Its unwrap.
+        resolution : int
+            Side of the page in texels.
+        gutter_px : int, optional
+            As for `texels`.
+
+        Returns
+        -------
+        page : TexelPage
+            For `TexelPage.texels`.
+
+        Raises
+        ------
+        InputError
+            If the atlas has other faces than the surface, or the page no texel.
+        """
+        if len(atlas.corner_uv) != len(surface.faces):
+            raise InputError(
+                f"the atlas has {len(atlas.corner_uv)} faces, the surface {len(surface.faces)}; unwrap anew"
             )
-            listed = frozen(edge_item[edge_start[band] : edge_start[band + 1]])
-            nearest_edge_band(corner, edge_face, edge_side, listed, radius, top, face, near, square, owner)
-            continue_band(
-                corner,
-                flat,
-                neighbor,
-                neighbor_edge,
-                transport,
-                edge_face,
-                edge_side,
-                top,
-                owner,
-                near,
-                float(exact_px),
-                face,
-                weight,
-                host,
-                turn,
-                follows,
-            )
-        keep = slice(max(first, top) - top, min(last, bottom) - top)
-        mapped = face[keep] >= 0
-        index = np.flatnonzero(mapped) + max(first, top) * resolution
-        return (
-            index,
-            *(part[keep][mapped] for part in (face, weight, core, host, turn.astype(np.float32), follows)),
+        if resolution < 1:
+            raise InputError(f"resolution is {resolution}; it takes at least 1 texel")
+        radius = float(default_gutter_px(atlas, resolution) if gutter_px is None else gutter_px)
+        corner = atlas.corner_px(resolution)
+        edge_face, edge_side = (frozen(part.astype(np.int32)) for part in np.nonzero(atlas.seam))
+        ends = corner[edge_face, edge_side, 1], corner[edge_face, (edge_side + 1) % 3, 1]
+        across, down = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+        area_px = 0.5 * np.abs(across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0])
+        side = np.sqrt(
+            np.divide(surface.face_area_mm2, area_px, out=np.zeros(len(area_px)), where=area_px > 5e-13)
         )
+        return TexelPage(
+            surface, resolution, radius, corner, Bands.of_faces(corner, resolution), edge_face, edge_side,
+            Bands.of(np.minimum(*ends) - radius, np.maximum(*ends) + radius, resolution), side.astype(np.float32),
+        )  # fmt: skip
 
-    bands = -(-last // BAND_ROWS) - first // BAND_ROWS
-    found = slices(work, bands, size=1, threads=threads, tick=tick)
-    parts = [list(part) for part in zip(*found, strict=True)]
-    found.clear()  # each column goes as soon as it is joined, so that the page is never held twice
-    texel, face, weight, core, host, turn, follows = (_joined(part) for part in parts)
-    source = np.zeros(len(texel), np.int32)
-    find_leaders(texel, resolution, follows, source)
-    across, down = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    area_px = 0.5 * np.abs(across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0])
-    side = np.sqrt(
-        np.divide(surface.face_area_mm2, area_px, out=np.zeros(len(area_px)), where=area_px > 5e-13)
-    )
-    return Texels(
-        width=resolution,
-        height=resolution,
-        rows=(first, last),
-        texel=texel,
-        points=SurfacePoints.trusted(face, weight),
-        footprint_mm=side.astype(np.float32)[host],
-        core=core,
-        host=host,
-        turn_rad=turn,
-        source=source,
-        _corner_px=corner,
-    )
+    def texels(
+        self,
+        rows: tuple[int, int],
+        *,
+        exact_px: float = np.inf,
+        threads: int | None = None,
+        tick: Tick | None = None,
+    ) -> Texels:
+        """Map texels of some rows.
+
+        Parameters
+        ----------
+        rows : (int, int)
+            First row and one past the last.
+        exact_px : float
+            As for `surftex.charts.texels.texels`.
+        threads : int, optional
+            None means every core; the result does not depend on it.
+        tick : callable, optional
+            Told the finished share.
+
+        Returns
+        -------
+        texels : Texels
+            Core and gutter texels of the rows.
+
+        Raises
+        ------
+        InputError
+            If the rows lie outside the page.
+        """
+        from surftex.kernels.gutter import LARGEST_BLOCK, continue_band, find_leaders, nearest_edge_band
+        from surftex.kernels.raster import raster_band
+
+        surface, resolution, corner = self.surface, self.resolution, self.corner
+        first, last = rows
+        if not 0 <= first < last <= resolution:
+            raise InputError(f"rows {first} to {last} lie outside the page's 0 to {resolution}")
+        edge_face, edge_side = self.edge_face, self.edge_side
+        flat, neighbor, neighbor_edge, transport = (
+            surface.flat, surface.neighbor, surface.neighbor_edge, surface.transport
+        )  # fmt: skip
+
+        def work(first_band: int, last_band: int) -> tuple[NDArray[Any], ...]:
+            band = first_band + first // BAND_ROWS
+            top = max(band * BAND_ROWS, first - first % LARGEST_BLOCK)
+            bottom = min((band + 1) * BAND_ROWS, last + -last % LARGEST_BLOCK, resolution)
+            shape = (bottom - top, resolution)
+            face, weight = np.full(shape, -1, np.int32), np.zeros((*shape, 3))
+            raster_band(corner, self.faces[band], top, face, weight)
+            host, turn, core, follows = face.copy(), np.zeros(shape), face >= 0, np.zeros(shape, np.int8)
+            if self.gutter_px > 0:
+                near, square, owner = (
+                    np.full(shape, np.inf),
+                    np.full(shape, -np.inf),
+                    np.full(shape, -1, np.int32),
+                )
+                nearest_edge_band(
+                    corner, edge_face, edge_side, self.edges[band], self.gutter_px, top, face, near, square, owner
+                )  # fmt: skip
+                continue_band(
+                    corner, flat, neighbor, neighbor_edge, transport, edge_face, edge_side, top, owner, near,
+                    float(exact_px), face, weight, host, turn, follows,
+                )  # fmt: skip
+            keep = slice(max(first, top) - top, min(last, bottom) - top)
+            index = np.flatnonzero(face[keep] >= 0)
+            return (
+                index + max(first, top) * resolution,
+                *(
+                    part[keep].reshape(-1, *part.shape[2:]).take(index, axis=0)
+                    for part in (face, weight, core, host, turn, follows)
+                ),
+            )
+
+        bands = -(-last // BAND_ROWS) - first // BAND_ROWS
+        found = slices(work, bands, size=1, threads=threads, tick=tick)
+        parts = [list(part) for part in zip(*found, strict=True)]
+        found.clear()  # each column goes as soon as it is joined, so that the page is never held twice
+        texel, face, weight, core, host, turn, follows = (_joined(part) for part in parts)
+        source = np.zeros(len(texel), np.int32)
+        find_leaders(texel, resolution, follows, source)
+        return Texels(
+            width=resolution,
+            height=resolution,
+            rows=(first, last),
+            texel=texel,
+            points=SurfacePoints.trusted(face, weight),
+            footprint_mm=self.footprint_mm[host],
+            core=core,
+            host=host,
+            turn_rad=turn.astype(np.float32),
+            source=source,
+            _corner_px=corner,
+        )
 
 
 def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:

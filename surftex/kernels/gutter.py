@@ -4,6 +4,9 @@ import math
 
 from surftex.kernels.jit import kernel, part
 
+LARGEST_BLOCK = 4
+"""Side of the largest block of gutter texels that shares a place; bands begin at multiples of it."""
+
 
 @kernel
 def nearest_edge_band(corner, edge_face, edge_side, candidate, radius, first_row, face, near, square, owner):
@@ -54,16 +57,23 @@ def nearest_edge_band(corner, edge_face, edge_side, candidate, radius, first_row
 
 
 @part
-def _is_far_block(owner, near, exact, r, c):
-    """Tell whether (r, c) is the first of two by two gutter texels that are all farther off than `exact`."""
+def _side_of_block(owner, near, exact, r, c):
+    """Side of the block of gutter texels that begins at (r, c) and shares one place: 4, 2, or 1 for a texel by itself.
+
+    Two by two share where all are farther off than `exact`, four by four where all are than four times that.
+    """
     rows, width = owner.shape
-    if r % 2 == 1 or c % 2 == 1 or r + 1 == rows or c + 1 == width:
-        return False
-    for k in range(4):
-        y, x = r + k // 2, c + k % 2
-        if owner[y, x] < 0 or near[y, x] <= exact * exact:
-            return False
-    return True
+    for side in (4, 2):
+        if r % side > 0 or c % side > 0 or r + side > rows or c + side > width:
+            continue
+        least = exact if side == 2 else 4.0 * exact
+        far = True
+        for k in range(side * side):
+            y, x = r + k // side, c + k % side
+            far = far and owner[y, x] >= 0 and near[y, x] > least * least
+        if far:
+            return side
+    return 1
 
 
 @kernel
@@ -91,21 +101,20 @@ def continue_band(
     from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
     mesh it goes on along the border, and ends on it. face, host (rows, width) int32, weight (rows, width, 3), turn
     (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face
-    left, and the turn from its frame into the reached one's. Where two by two texels are all farther than `exact`
-    from their edges, near (rows, width) float64 being the squares, they share the place of the corner between them, and
-    all but the first get follows (rows, width) bool.
+    left, and the turn from its frame into the reached one's. Where texels are far from their edges, near (rows, width)
+    float64 being the squares, a block of them shares the place in its middle: see `_side_of_block`. All but the first get
+    the side of the block in follows (rows, width) int8.
     """
     rows, width = owner.shape
     for r in range(rows):
         for c in range(width):
             e = owner[r, c]
-            if e < 0 or follows[r, c]:
+            if e < 0 or follows[r, c] > 0:
                 continue
             f, i = edge_face[e], edge_side[e]
             j = (i + 1) % 3
-            shares = _is_far_block(owner, near, exact, r, c)
-            middle = 1.0 if shares else 0.5
-            px, py = c + middle, r + middle + first_row
+            block = _side_of_block(owner, near, exact, r, c)
+            px, py = c + 0.5 * block, r + 0.5 * block + first_row
             ax, ay = corner[f, i, 0], corner[f, i, 1]
             dx, dy = corner[f, j, 0] - ax, corner[f, j, 1] - ay
             squared = dx * dx + dy * dy
@@ -190,9 +199,9 @@ def continue_band(
             face[r, c], host[r, c] = g, f
             weight[r, c, 0], weight[r, c, 1], weight[r, c, 2] = w0 / total, w1 / total, w2 / total
             turn[r, c] = math.atan2(sine, cosine)
-            for k in range(1, 4 if shares else 1):
-                y, x = r + k // 2, c + k % 2
-                face[y, x], host[y, x], turn[y, x], follows[y, x] = g, f, turn[r, c], True
+            for k in range(1, block * block):
+                y, x = r + k // block, c + k % block
+                face[y, x], host[y, x], turn[y, x], follows[y, x] = g, f, turn[r, c], block
                 weight[y, x, 0], weight[y, x, 1], weight[y, x, 2] = (
                     weight[r, c, 0],
                     weight[r, c, 1],
@@ -202,23 +211,25 @@ def continue_band(
 
 @kernel
 def find_leaders(texel, width, follows, source):
-    """Find the first texel of the block that each follows, for texel (t,) int64 ascending, follows (t,) bool.
+    """Find the first texel of the block that each follows, for texel (t,) int64 ascending, follows (t,) int8: its side.
 
-    -> source (t,) int32: its row; a texel's own where it follows none, or the first is not among them.
+    -> source (t,) int32: its row; a texel's own where it follows none, or none of the block before it is there.
     """
-    j = 0
+    above = 0
     for i in range(len(texel)):
         source[i] = i
-        if follows[i]:
-            place = texel[i]
-            row, column = place // width, place % width
-            first = (row - row % 2) * width + column - column % 2
-            if row % 2 == 1:
-                while texel[j] < first:
-                    j += 1
-            leader = j if row % 2 == 1 else max(i - 1, 0)
-            if texel[leader] == first:
-                source[i] = leader
+        side = follows[i]
+        if side == 0:
+            continue
+        place = texel[i]
+        row, column = place // width, place % width
+        if column % side > 0:
+            source[i] = source[i - 1]
+        elif row % side > 0:
+            while texel[above] < place - width:
+                above += 1
+            if texel[above] == place - width:
+                source[i] = source[above]
 
 
 @kernel
