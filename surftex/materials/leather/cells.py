@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +79,11 @@ class Cells:
     shape: str
     neighbours: int
     key: int
+
+    @cached_property
+    def median_mm(self) -> float:
+        """Size of the middle one of the cells; 1 where there are none."""
+        return float(np.median(self.size_mm)) if len(self.size_mm) else 1.0
 
     @staticmethod
     def build(
@@ -163,7 +169,7 @@ class Cells:
         n, most = len(points), self.neighbours
         own, ratio, border = np.zeros(n, np.int32), np.zeros(n, np.float32), np.zeros(n, np.float32)
         own_mm, furrow = np.zeros(n, np.float32), np.zeros(n, np.float32)
-        size = float(np.median(self.size_mm)) if len(self.size_mm) else 1.0
+        size = self.median_mm
         located = (
             self.start, self.other, self.apart_mm, self.place_mm, self.shift, *wave,
             int(leather.crista_shape == "polygon"),

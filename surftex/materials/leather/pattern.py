@@ -310,7 +310,7 @@ class LeatherPattern:
     def _shown_noises(self) -> dict[str, Noise]:
         """Noise of each use that a leather has."""
         leather = self.leather
-        size = 1.3 * float(np.median(self.cells.size_mm)) if len(self.cells.size_mm) else 1.3
+        size = 1.3 * self.cells.median_mm
         uses = {
             "wave a": (size, leather.waviness),
             "wave b": (size, leather.waviness),
