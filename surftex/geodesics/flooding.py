@@ -89,7 +89,7 @@ def flood_primitives(
     Returns
     -------
     row : (r, 10) float64
-        Source by source, those of neighbour faces together; read-only.
+        Face by face, and source by source in each, neighbour sources together; read-only.
     row_id : (r, 3) int32
         Face, primitive, kind; read-only.
 
@@ -98,6 +98,7 @@ def flood_primitives(
     WorkError
         If one source sends more windows than any sound mesh asks for.
     """
+    from surftex.kernels.ordering import count_faces, put_by_face
     from surftex.kernels.windows import flood
 
     count, faces = len(start) - 1, len(surface.faces)
@@ -136,11 +137,11 @@ def flood_primitives(
 
     parts = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)
     parts.reverse()
-    total = sum(len(ids) for _, ids in parts)
-    row, row_id = np.zeros((total, 10)), np.zeros((total, 3), np.int32)
-    filled = 0
+    place = np.zeros(faces + 1, np.int64)
+    for _, ids in parts:
+        count_faces(ids, place)
+    place = np.cumsum(place)
+    row, row_id = np.zeros((place[-1], 10)), np.zeros((place[-1], 3), np.int32)
     while parts:  # a part goes as soon as it is copied, so that the rows are never held twice
-        rows, ids = parts.pop()
-        row[filled : filled + len(ids)], row_id[filled : filled + len(ids)] = rows, ids
-        filled += len(ids)
+        put_by_face(*parts.pop(), place, row, row_id)
     return frozen(row), frozen(row_id)
