@@ -7,6 +7,7 @@ from surftex.bake.locating import located
 from surftex.bake.stack import layer_seed
 from surftex.errors import SurftexError
 from surftex.features.poisson import expected_sites
+from surftex.features.relax import samples_per_site
 from surftex.fields.fieldset import FieldSet
 from surftex.fields.sized import sized
 from surftex.kernels.pool import thread_count
@@ -29,7 +30,14 @@ _OVER_DISKS = {"cell": 1.0, "grown cell": 2.6, "pixel": 1.43}
 
 _BEYOND = 1e15
 
-_CPU_S_PER = {"face": 6.0e-5, "cell": 1.2e-4, "grown cell": 3.6e-4, "pixel": 1.7e-4, "texel": 7.0e-7}
+_CPU_S_PER = {
+    "face": 6.0e-5,
+    "cell": 1.2e-4,
+    "grown cell": 3.6e-4,
+    "pixel": 1.7e-4,
+    "sample": 1.5e-6,
+    "texel": 7.0e-7,
+}
 _START_S = 2.0
 _BYTES_PER = {
     "face": 1500,
@@ -77,7 +85,7 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     from surftex.recipe.read import recipe_for
 
     recipe = recipe or recipe_for(material)
-    counts = _placed(recipe, _grounds(recipe, surface))
+    counts, samples = _placed(recipe, _grounds(recipe, surface))
     known = getattr(recipe.layer[0].material, "wavelengths_mm", dict)()
     made_of, size_mm = next(((kind, size) for kind, size in known.items() if size > 0), (None, None))
     finest = finest_kind(recipe)
@@ -87,7 +95,7 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
             "resolution": side,
             "texels_per_mm": round(_density(surface, side), 4),
             "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
-            "seconds": round(_START_S + _cpu_s(faces, counts, side) / (0.8 * threads + 0.2), 1),
+            "seconds": round(_START_S + _cpu_s(faces, counts, samples, side) / (0.8 * threads + 0.2), 1),
             "memory_mb": _memory_mb(faces, counts, side),
             "disk_mb": _disk_mb(side),
         }
@@ -131,9 +139,13 @@ def _grounds(recipe: Recipe, surface: Surface) -> list[tuple[Surface, FieldSet] 
     return grounds
 
 
-def _placed(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> dict[str, int]:
-    """Estimate how many cells, grown cells and pixels lie on the grounds; other features cost little beside them."""
+def _placed(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> tuple[dict[str, int], float]:
+    """Estimate how many cells, grown cells and pixels lie on the grounds, and samples to even cells out by.
+
+    Other features cost little beside them.
+    """
     counts: dict[str, int] = {}
+    samples = 0.0
     for i, (layer, found) in enumerate(zip(recipe.layer, grounds, strict=True)):
         if layer.kind not in _SIZES or found is None:
             continue
@@ -145,7 +157,8 @@ def _placed(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> d
             ratio = sized(fields, ratio, f"{layer.kind}.cell_ratio", least=1.0)
             count = _OVER_DISKS[kind] * expected_sites(surface, size, ratio)
         counts[kind] = counts.get(kind, 0) + max(1, round(min(count, _BEYOND)))
-    return counts
+        samples += min(count, _BEYOND) * samples_per_site(getattr(layer.material, "regularity", 0))
+    return counts, samples
 
 
 def _label(recipe: Recipe, index: int) -> str:
@@ -187,7 +200,7 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             tiles = _foreseen_tiles(recipe, found)
             grounds = _grounds(recipe, found)
             _refuse_too_many(recipe, grounds)
-            counts = _placed(recipe, grounds)
+            counts, samples = _placed(recipe, grounds)
         except SurftexError as problem:
             yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
@@ -196,7 +209,7 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             "faces": faces,
             "cells": sum(counts.values()),
             "tiles": tiles,
-            "seconds": round(_START_S + _cpu_s(faces, counts, side, tiles), 1),
+            "seconds": round(_START_S + _cpu_s(faces, counts, samples, side, tiles), 1),
             "memory_mb": _memory_mb(faces, counts, side, tiles),
         }
 
@@ -226,8 +239,8 @@ def _density(surface: Surface, side: int) -> float:
     return side * (COVERAGE / surface.area_mm2) ** 0.5
 
 
-def _cpu_s(faces: int, counts: dict[str, int], side: int, tiles: int = 1) -> float:
-    work = {"face": faces, **counts, "texel": side * side * tiles}
+def _cpu_s(faces: int, counts: dict[str, int], samples: float, side: int, tiles: int = 1) -> float:
+    work = {"face": faces, **counts, "sample": samples, "texel": side * side * tiles}
     return sum(_CPU_S_PER[key] * count for key, count in work.items())
 
 

@@ -1,6 +1,8 @@
 """The options of every command. argparse: it imports ten times faster than what is built on top of it."""
 
 import argparse
+import re
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
@@ -37,6 +39,17 @@ class Parser(argparse.ArgumentParser):
         raise RecipeError(f"{message}; see {self.prog} --help")
 
 
+def _joined(arguments: Sequence[str]) -> list[str]:
+    """Join ``--view -90,10`` to ``--view=-90,10``: what begins with a minus and goes on with a number is no option."""
+    joined: list[str] = []
+    for word in arguments:
+        if joined and re.fullmatch(r"--[a-z-]+", joined[-1]) and re.fullmatch(r"-[\d.][\d.,eE+-]*", word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
 def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Read a command line.
 
@@ -56,7 +69,7 @@ def parsed(arguments: Sequence[str] | None) -> argparse.Namespace:
         Naming the argument that is wrong, and the nearest option.
     """
     parser, commands = make_parser()
-    options, rest = parser.parse_known_args(arguments)
+    options, rest = parser.parse_known_args(_joined(sys.argv[1:] if arguments is None else arguments))
     if rest:
         from surftex.materials.hints import nearest
 

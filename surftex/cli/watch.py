@@ -110,7 +110,7 @@ class Watch:
             detail = f" ({self.details[stage]})" if stage in self.details else ""
             self.held.append(f"{title}: {now - began:.2f} s{detail}")
             self.started[stage] = -1.0
-        elif 0 <= began < now - PATIENCE_S and stage not in self.named and not self.verbose:
+        elif 0 <= began < now - PATIENCE_S and stage not in self.named:
             self.held.append(f"{title} ...")
             self.named.add(stage)
         if self.verbose or now > self.began + PATIENCE_S:

@@ -95,6 +95,14 @@ def surface_of(
         part=labels[polygon],
         attributes={name: values[triangles] for name, values in polygons.attributes.items()},
     )
+    kept = np.bincount(mended.part, minlength=len(names))
+    given = np.bincount(labels[polygon], minlength=len(names))
+    warnings.extend(
+        f"nothing is left of part {lost!r}: its faces are too small beside the whole mesh, or have no area; "
+        "choose it by itself (part, --part)"
+        for lost, now, before in zip(names, kept, given, strict=True)
+        if before > 0 and now == 0
+    )
     return Surface.from_arrays(
         mended.vertices,
         mended.faces,

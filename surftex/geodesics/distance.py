@@ -65,6 +65,16 @@ def geodesic_distance(
     WorkError
         If the exact method is asked for more than it can do.
     """
+    if not isinstance(surface, Surface):
+        raise InputError(
+            f"surface is a {type(surface).__name__}; make a Surface of it first: surftex.load(...)"
+        )
+    for name, points in (("sources", sources), ("at", at)):
+        if not isinstance(points, SurfacePoints):
+            raise InputError(
+                f"{name} is a {type(points).__name__}; it takes SurfacePoints(face, barycentric), or what "
+                "surftex.surface.closest.closest_points finds"
+            )
     if method not in ("auto", "exact", "heat"):
         raise InputError(f"method is {method!r}; it takes 'auto', 'exact' or 'heat'")
     if len(sources) == 0:

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+import numpy as np
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from surftex.errors import RecipeError
 from surftex.materials.hints import nearest
@@ -33,6 +34,16 @@ class Checked(BaseModel, metaclass=_Told):
     """What a user writes: it never changes, and an unknown key is a mistake."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, values: Any) -> Any:
+        """Take numpy's numbers as Python's."""
+        if not isinstance(values, Mapping):
+            return values
+        return {
+            key: value.item() if isinstance(value, np.generic) else value for key, value in values.items()
+        }
 
     @classmethod
     def mistakes(cls, problem: ValidationError, values: Mapping[str, Any]) -> str:

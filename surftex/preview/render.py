@@ -76,12 +76,21 @@ def render(
     InputError
         If the subject cannot be drawn.
     RecipeError
-        If an option is none.
+        If an option is none, or nothing of the subject is in view.
     """
-    return Shot.of(
+    shot = Shot.of(
         subject, size=size, view=view, light=light, zoom=zoom, target=target, background=background, up=up, floor=floor,
         samples=samples,
-    ).drawn(subject)  # fmt: skip
+    )  # fmt: skip
+    if (shot.face < 0).all():
+        vertices, faces = _joined(bodies_of(subject))
+        seen = vertices[np.unique(faces)]
+        spans = (
+            f"{axis} {low:.4g} to {high:.4g}"
+            for axis, low, high in zip("xyz", seen.min(axis=0), seen.max(axis=0), strict=True)
+        )
+        raise RecipeError(f"nothing is in view; the subject spans {', '.join(spans)}: aim there, or zoom out")
+    return shot.drawn(subject)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,9 @@ Where = Callable[[Path], str]
 """Says where a key was written, for the start of a message; text or an empty string."""
 
 
+_TABLES = {"mesh": ', such as path = "bag.obj"', "bake": ", such as resolution = 2048"}
+
+
 def checked_recipe(values: dict[str, Any], where: Where = lambda path: "") -> "Recipe":
     """Validate a recipe, its expressions and the names they use.
 
@@ -97,6 +100,10 @@ def _mistake(error: dict[str, Any], values: dict[str, Any]) -> tuple[Path, str]:
         if path == ("layer",):
             return path, NO_LAYER
         return path, "this key is needed and missing"
+    if path == ("surftex",):
+        return path, f"{error['input']!r}: this surftex reads version 1 of the format; write surftex = 1"
+    if path in (("mesh",), ("bake",)) and not isinstance(error["input"], dict):
+        return path, f"write [{name}] on a line by itself, and its keys on the lines below{_TABLES[name]}"
     return path, told(error)
 
 

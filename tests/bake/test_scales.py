@@ -135,3 +135,17 @@ def test_inspect_takes_a_recipe_and_says_what_is_wrong_with_it(tmp_path, capsys)
     assert main(["inspect", *mesh, "--material", "no-such"]) == 2
     assert main(["inspect", *mesh]) == 0
     assert "a bake of calf: about" in capsys.readouterr().out
+
+
+def test_the_estimate_counts_the_rounds_that_even_cells_out(tmp_path):
+    ball = sphere(50.0, subdivisions=3)
+    seconds = {}
+    for rounds in (0, 3, 12):
+        (tmp_path / "r.toml").write_text(
+            f'[[layer]]\npreset = "calf"\ncell_size = 0.5\nregularity = {rounds}\n'
+        )
+        cost = bake_cost(ball, str(tmp_path / "r.toml"))
+        seconds[rounds] = cost["pages"][0]["seconds"]
+    per_round = cost["cells"] * 64 * 1.5e-6 / (0.8 * cost["threads"] + 0.2)
+    assert seconds[3] - seconds[0] == pytest.approx(3 * per_round, rel=0.1)
+    assert seconds[12] - seconds[3] == pytest.approx(9 / 4 * per_round, rel=0.1)

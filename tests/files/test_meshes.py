@@ -349,3 +349,19 @@ def test_sheets_that_meet_only_after_welding_keep_their_winding(shared):
     surface = load(shared / "meshes" / "face_ict_neutral.obj")
     assert any("edges with more than two faces" in line for line in surface.warnings)
     assert not any("wound against" in line or "one side only" in line for line in surface.warnings)
+
+
+def test_a_part_that_is_lost_beside_the_whole_is_named(tmp_path):
+    v, f = ball()
+    text, first = "", 1
+    for name, scale, x in (("large", 1000.0, 0.0), ("speck", 1e-5, 4000.0)):
+        text += f"g {name}\n" + "".join(
+            f"v {scale * a + x:.9g} {scale * b:.9g} {scale * c:.9g}\n" for a, b, c in v
+        )
+        text += "".join(f"f {a + first} {b + first} {c + first}\n" for a, b, c in f)
+        first += len(v)
+    whole = load(saved(tmp_path, "both.obj", text.encode()), units="mm")
+    assert [text for text in whole.warnings if "nothing is left of part 'speck'" in text]
+    alone = load(tmp_path / "both.obj", units="mm", part="speck")
+    assert len(alone.faces) > 0.9 * len(f)
+    assert not any("nothing is left" in text for text in alone.warnings)

@@ -119,3 +119,17 @@ def test_neither_a_rigid_motion_nor_renumbering_changes_distances():
     assert np.array_equal(np.isfinite(here), np.isfinite(there))
     inside = np.isfinite(here)
     np.testing.assert_allclose(here[inside], there[inside], rtol=1e-11)
+
+
+def test_what_is_no_surface_and_no_points_is_told_by_name():
+    from surftex.geodesics.distance import geodesic_distance
+
+    ball = sphere(20.0, subdivisions=2)
+    points = SurfacePoints(np.zeros(1, np.int32), np.full((1, 3), 1 / 3))
+    for surface, sources, at, said in (
+        (ball.vertices, points, points, "surface is a ndarray; make a Surface of it"),
+        (ball, ball.vertices, points, "sources is a ndarray; it takes SurfacePoints"),
+        (ball, points, None, "at is a NoneType; it takes SurfacePoints"),
+    ):
+        with pytest.raises(InputError, match=said):
+            geodesic_distance(surface, sources, at)

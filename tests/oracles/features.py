@@ -27,3 +27,16 @@ def corners_inside(places, width):
     """Voronoi vertices in the open square [0, width]^2."""
     corners = Voronoi(places).vertices
     return corners[((corners > 0) & (corners < width)).all(axis=1)]
+
+
+def owners_slowly(records, samples, length, angle):
+    """Whose each sample is by a length of tangent vectors at the six nearest sites, one sample after another."""
+    from surftex.geodesics.windows import nearest
+
+    owner = []
+    for i in range(len(samples)):
+        near, _, vector = nearest(records, samples.taken(np.array([i])), 6, vectors=True)
+        found = near[0] >= 0
+        measured = length(vector[0][found], near[0][found], angle)
+        owner.append(near[0][found][np.argmin(measured)] if found.any() else -1)
+    return np.array(owner)

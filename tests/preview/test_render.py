@@ -234,3 +234,22 @@ def test_turntables_views_lights_and_sheets(tmp_path, monkeypatch):
         render_files(ball, tmp_path / "t.png", turntable=1)
     with pytest.raises(RecipeError, match="no view"):
         render_files(ball, tmp_path / "t.png", turntable=3, views=["sideways"])
+
+
+def test_an_empty_picture_is_refused_with_where_the_subject_is(tmp_path, capsys):
+    from surftex.cli.main import main
+
+    ball = sphere(20.0, subdivisions=2)
+    with pytest.raises(
+        RecipeError, match=r"nothing is in view; the subject spans x -20 to 20, y .*, z .*: aim there"
+    ):
+        render(ball, target=(500, 0, 0), zoom=4, **SMALL)
+    (tmp_path / "ball.obj").write_text(
+        "".join(f"v {x} {y} {z}\n" for x, y, z in ball.vertices)
+        + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in ball.faces)
+    )
+    aimed = ["render", str(tmp_path / "ball.obj"), "-o", str(tmp_path / "ball.png"), "--picture-size", "60x40"]
+    assert main([*aimed, "--view", "-90,10", "--target", "-5000,0,0", "--zoom", "4"]) == 2
+    assert "nothing is in view" in capsys.readouterr().err
+    assert not (tmp_path / "ball.png").exists()
+    assert main([*aimed, "--view", "-90,10", "--target", "-5,0,0"]) == 0

@@ -89,7 +89,11 @@ MISTAKES = [
     ("radius", "radios", "shoe.toml:10: fields.wear.radios: unknown key; did you mean radius?"),
     ('"4 mm"', '"-4 mm"', "shoe.toml:10: fields.wear.radius: '-4 mm': should be greater than 0"),
     ("[0, 0, 1]", "[0, 1]", "shoe.toml:13: fields.grain.axis[3]: this key is needed and missing"),
-    ("surftex = 1", "surftex = 2", "shoe.toml:1: surftex: 2: should be 1"),
+    (
+        "surftex = 1",
+        "surftex = 2",
+        "shoe.toml:1: surftex: 2: this surftex reads version 1 of the format; write surftex = 1",
+    ),
     ('"height"', '"hieght"', "shoe.toml:8: bake.maps: unknown map 'hieght'; did you mean height?"),
     ("seed = 7", "seed = 7.5", "shoe.toml:2: seed: 7.5: should be a valid integer"),
     ("seed = 7", "seed = ", "shoe.toml:2: invalid value"),
@@ -197,3 +201,17 @@ def test_files_that_are_no_recipe(tmp_path):
     with pytest.raises(RecipeError, match="no preset 'claf'; did you mean calf"):
         recipe_for("claf")
     assert recipe_from_preset("calf").layer[0].kind == "leather"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('mesh = "ok.obj"\n[[layer]]\npreset = "calf"\n', 'mesh: write [mesh] on a line by itself, and its keys on the '
+         'lines below, such as path = "bag.obj"'),
+        ("surftex = 99\n[[layer]]\npreset = 'calf'\n", "surftex: 99: this surftex reads version 1 of the format"),
+    ],
+)  # fmt: skip
+def test_what_is_no_table_and_what_is_no_version_is_told_in_words_of_toml(text, said):
+    with pytest.raises(RecipeError) as caught:
+        recipe_from_text(text)
+    assert said in str(caught.value)

@@ -278,7 +278,7 @@ def _length(
     if shape == "ellipse":
         return np.hypot(x, y)
     most = np.maximum(np.maximum(x, y), np.finfo(float).tiny)
-    return most * ((x / most) ** _BOX_EXPONENT + (y / most) ** _BOX_EXPONENT) ** (1 / _BOX_EXPONENT)
+    return most * (1 + (np.minimum(x, y) / most) ** _BOX_EXPONENT) ** (1 / _BOX_EXPONENT)
 
 
 def shape_length(shape: str, sites: Sites) -> Callable[[NDArray, NDArray, NDArray], NDArray[np.float64]]:

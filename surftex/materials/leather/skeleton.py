@@ -20,7 +20,7 @@ from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.records import Records
 from surftex.geodesics.tracing import trace
 from surftex.kernels.pool import Tick
-from surftex.materials.leather.cells import REACH, flood_cells, shape_length
+from surftex.materials.leather.cells import flood_cells, shape_length
 from surftex.materials.leather.model import Leather
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
@@ -84,12 +84,13 @@ def place(
     sites = poisson_disk(
         surface, _size(leather, surface, seed, names), stream(seed, "leather", "cells"),
         ratio=_ratio(leather, names), direction=direction, max_sites=max_features,
-        threads=threads, tick=lambda share: told(0.5 * share),
+        threads=threads, tick=lambda share: told((0.1 if leather.regularity else 0.5) * share),
     )  # fmt: skip
     if leather.regularity:
         sites = relaxed(
             surface, sites, stream(seed, "leather", "evening out"), rounds=leather.regularity, threads=threads,
-            length=None if leather.cell_shape == "round" else shape_length(leather.cell_shape, sites), reach=REACH,
+            length=None if leather.cell_shape == "round" else shape_length(leather.cell_shape, sites),
+            tick=lambda share: told(0.1 + 0.5 * share),
         )  # fmt: skip
     features, records = {"cell": sites.features}, None
     count, cracked = _wrinkle_count(leather, surface, seed), leather.invasion != 0

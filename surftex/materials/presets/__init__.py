@@ -77,6 +77,8 @@ def parameters(kind: str, name: str) -> dict[str, Any]:
         If there is none of that name; the message names the nearest.
     """
     shelf = _shelf(kind)
+    if not isinstance(name, str):
+        raise RecipeError(f"{kind} preset {name!r}: a preset is named by text, such as {next(iter(shelf))!r}")
     if name not in shelf:
         raise RecipeError(f"there is no {kind} preset {name!r}{nearest(name, shelf)}")
     values = {key: value for key, value in shelf[name].items() if key != "caption"}
