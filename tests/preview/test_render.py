@@ -248,7 +248,14 @@ def test_an_empty_picture_is_refused_with_where_the_subject_is(tmp_path, capsys)
         "".join(f"v {x} {y} {z}\n" for x, y, z in ball.vertices)
         + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in ball.faces)
     )
-    aimed = ["render", str(tmp_path / "ball.obj"), "-o", str(tmp_path / "ball.png"), "--picture-size", "60x40"]
+    aimed = [
+        "render",
+        str(tmp_path / "ball.obj"),
+        "-o",
+        str(tmp_path / "ball.png"),
+        "--picture-size",
+        "60x40",
+    ]
     assert main([*aimed, "--view", "-90,10", "--target", "-5000,0,0", "--zoom", "4"]) == 2
     assert "nothing is in view" in capsys.readouterr().err
     assert not (tmp_path / "ball.png").exists()
