@@ -242,6 +242,7 @@ def _bake(
         + atlas.notes
         + fits
         + _grey(settings, atlas)
+        + _one_tile(settings, atlas)
         + stack.warnings
         + clamped_warnings(pages, stack)
     )
@@ -258,6 +259,14 @@ def _grey(settings: BakeSettings, atlas: "Atlas") -> tuple[str, ...]:
     if not (settings.displaced and settings.displaced_format == "glb" and len(atlas.tiles) > 1):
         return ()
     return ("the displaced GLB names no pictures, as they lie in several tiles: it is shown grey",)
+
+
+def _one_tile(settings: BakeSettings, atlas: "Atlas") -> tuple[str, ...]:
+    if not settings.udim or settings.texels_per_mm is not None or len(atlas.tiles) > 1:
+        return ()
+    return (
+        "all lies on one tile; name a density (--texels-per-mm) to have it spread over as many as that takes",
+    )
 
 
 def _recipe_and_subject(subject: Any, material: Any) -> tuple[Any, Any]:

@@ -86,6 +86,16 @@ def test_uvs_over_several_tiles_are_a_warning_where_one_page_is_wanted_alone(tmp
     assert "the file's UVs leave 0..1 (they run from 0.05 to 1.5)" in told[1]
 
 
+@pytest.mark.parametrize(
+    ("options", "told"), [({}, True), ({"texels_per_mm": 0.2}, False), ({"udim": False}, False)]
+)
+def test_tiles_that_are_one_for_want_of_a_density_are_told(options, told):
+    ball = sx.shapes.sphere(20.0, subdivisions=2)
+    report = bake(ball, Recipe.of(LEATHER, **{"udim": True, **options}), resolution=64).report
+    assert report["unwrap"]["tiles"] == [1001]
+    assert any("all lies on one tile; name a density" in line for line in report["warnings"]) == told
+
+
 @pytest.mark.parametrize("shift", [(10.0, 0.0), (-1.0, 0.0), (0.0, -3.0)])
 def test_uvs_off_all_tiles_are_told_in_a_line(shift):
     surface = two_tiles()
