@@ -53,12 +53,16 @@ def run(options: Namespace) -> None:
 
 def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
     size = " x ".join(plain(side, 4) for side in facts["size_mm"])
+    spans = ", ".join(
+        f"{axis} {plain(low, 4)} to {plain(high, 4)}" for axis, (low, high) in facts["span_mm"].items()
+    )
     volume = "" if facts["volume_mm3"] is None else f"; volume: {plain(facts['volume_mm3'], 6)} mm^3"
     edges = ", ".join(f"{name} {plain(length)}" for name, length in facts["edge_length_mm"].items())
     borders = f"{facts['border_loops']} ({plain(facts['border_length_mm'], 4)} mm)"
     rows = [
         f"{facts['name']}: {by_count(facts['faces'], '{:,} face', '{:,} faces')}, "
         f"{by_count(facts['vertices'], '{:,} vertex', '{:,} vertices')}, {size} mm",
+        f"spans {spans} mm in the file",
         f"unit of the file: {_unit(facts['mm_per_unit'])}",
         f"area: {plain(facts['area_mm2'], 6)} mm^2{volume}",
         f"components: {facts['components']} ({facts['closed_components']} closed); borders: {borders}; "

@@ -57,6 +57,8 @@ class Description:
         Enclosed, where every component is closed.
     size_mm : tuple of float
         Sides of the bounding box.
+    span_mm : dict of str to (float, float)
+        Least and greatest coordinate in the file, by axis: x, y, z.
     mm_per_unit : float
         Millimetres in a unit of the file.
     edge_length_mm : dict of str to float
@@ -90,6 +92,7 @@ class Description:
     area_mm2: float
     volume_mm3: float | None
     size_mm: tuple[float, float, float]
+    span_mm: dict[str, tuple[float, float]]
     mm_per_unit: float
     edge_length_mm: dict[str, float]
     smallest_angle_degrees: float
@@ -172,7 +175,10 @@ def describe(surface: Surface) -> Description:
     shares = (0.0, 0.05, 0.5, 0.95, 1.0)
     names = ("least", "5 %", "median", "95 %", "longest")
     smallest = np.degrees(surface.corner_angle.min(axis=1))
-    size = surface.vertices.max(axis=0) - surface.vertices.min(axis=0)
+    least, greatest = (
+        surface.origin_mm + end for end in (surface.vertices.min(axis=0), surface.vertices.max(axis=0))
+    )
+    size = greatest - least
     faces_in = np.bincount(surface.part, minlength=len(surface.part_names))
     area_in = np.bincount(surface.part, surface.face_area_mm2, minlength=len(surface.part_names))
     return Description(
@@ -190,6 +196,7 @@ def describe(surface: Surface) -> Description:
         area_mm2=surface.area_mm2,
         volume_mm3=None if open_.any() else volume,
         size_mm=(float(size[0]), float(size[1]), float(size[2])),
+        span_mm={axis: (float(a), float(b)) for axis, a, b in zip("xyz", least, greatest, strict=True)},
         mm_per_unit=surface.mm_per_unit,
         edge_length_mm={
             name: _weighted_quantile(length.ravel(), kept_once.ravel(), share)

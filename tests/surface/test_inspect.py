@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from surftex.files.meshes import load
 from surftex.surface.inspect import describe
 from surftex.surface.shapes import cylinder, plane, sphere, torus
 from surftex.surface.surface import Surface
@@ -31,6 +32,15 @@ def test_sizes_of_a_ball():
     assert description.area_mm2 == pytest.approx(4 * np.pi * 1600, rel=0.01)
     assert description.volume_mm3 == pytest.approx(4 / 3 * np.pi * 64000, rel=0.01)
     assert max(description.size_mm) == pytest.approx(80, rel=0.01)
+
+
+def test_the_span_is_told_in_coordinates_of_the_file(tmp_path):
+    corners = np.array([[100, -5, 7], [130, -5, 7], [100, 15, 7.5]])
+    rows = [f"v {x} {y} {z}" for x, y, z in corners / 10]
+    (tmp_path / "flat.obj").write_text("\n".join([*rows, "f 1 2 3"]))
+    span = describe(load(tmp_path / "flat.obj", units="cm")).span_mm
+    assert list(span) == ["x", "y", "z"]
+    np.testing.assert_allclose(list(span.values()), [(100, 130), (-5, 15), (7, 7.5)], atol=1e-9)
 
 
 def test_lengths_of_a_square():
