@@ -176,7 +176,7 @@ def bellows():
 
 
 def creased():
-    """Furrows that flow over a scanned head and drive its grain of 4 mm: far, the shoulder, and across a seam."""
+    """Furrows that flow over a scanned head and drive its grain of 4 mm: far, the forehead, and across a seam."""
     surface = load(shared("head_lee_perry_smith.ply"), units="m")
     furrows = {
         "wrinkle_density": 0.4,
@@ -186,8 +186,8 @@ def creased():
         "wrinkle_taper": "30 mm",
     }
     cells = sx.Cells.preset("creased", cell_size="4 mm", **furrows)
-    shoulder, cheek = (100.0, -110.0, 40.0), (40.0, 10.0, 75.0)
-    three_scales(surface, cells, shoulder, cheek, "cells-creased", zooms=(4.0, 8.0))
+    forehead, cheek = (25.0, 90.0, 90.0), (40.0, 10.0, 75.0)
+    three_scales(surface, cells, forehead, cheek, "cells-creased", zooms=(5.0, 8.0))
 
 
 PICTURES = {
