@@ -20,6 +20,9 @@ from surftex.surface.surface import Surface
 Field = Callable[..., NDArray[np.float64]]
 """``field(points, footprint_mm=0.0) -> (n,) float64``."""
 
+_MOST_TOLD = 8
+"""Numbers of a picture that a message lists."""
+
 
 @dataclass(frozen=True, eq=False)
 class SpannedField:
@@ -311,9 +314,12 @@ def image_field(
     if not np.isfinite(pixels).all():
         raise RecipeError(f"{name} holds {np.count_nonzero(~np.isfinite(pixels))} pixels that are not finite")
     if label is not None:
+        held = np.unique(pixels)
         pixels = (pixels == label).astype(np.float64)
         if not pixels.any():
-            raise RecipeError(f"no pixel of {name} has the label {label}")
+            some = ", ".join(f"{value:g}" for value in held[:_MOST_TOLD])
+            more = f" and {len(held) - _MOST_TOLD} more" if len(held) > _MOST_TOLD else ""
+            raise RecipeError(f"no pixel of {name} has the label {label}; it holds {some}{more}")
     corner_uv, (height, width) = surface.corner_uv, pixels.shape
     low, high = Pixels(pixels).over(corner_uv)
     if low.min() == high.max() and pixels.min() < pixels.max():

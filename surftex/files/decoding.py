@@ -67,6 +67,8 @@ def decoded(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
     if kind not in kinds:
         raise error(f"{name}: is none of {', '.join(kinds)}")
     claimed(data, name, error=error)
+    if kind == "JPEG" and not _has_end(data):
+        raise error(f"{name}: is a damaged JPEG (it is cut off before its end); save it again")
     return _unpacked(lambda: kinds[kind](data), kind, name, error)
 
 
@@ -122,9 +124,7 @@ def claimed(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
     except (struct.error, IndexError, ValueError):
         raise error(f"{name}: is cut off within its head, or damaged; save the picture again") from None
     if width < 1 or height < 1 or channels < 1:
-        raise error(
-            f"{name}: claims {width} x {height} pixels of {channels} channels; save the picture again"
-        )
+        raise error(f"{name}: claims {width} x {height} pixels; save the picture again")
     if width * height * channels > MOST_NUMBERS:
         raise error(
             f"{name}: claims {width} x {height} pixels of {channels} channels, more than the {MOST_NUMBERS} "
@@ -159,7 +159,7 @@ def read_exr_channels(path: str | Path, *, error: type[InputError] = InputError)
     with Path(path).open("rb") as file:
         head = file.read(2**16)
     if kind_of(head) != "EXR":
-        raise error(f"{name}: no readable EXR")
+        raise error(f"{name}: is {'no EXR file' if head else 'empty'}")
     claimed(head, name, error=error)
 
     def unpack() -> dict[str, NDArray[Any]]:
@@ -230,6 +230,12 @@ def _jpeg_claim(data: bytes) -> tuple[int, int, int]:
             height, width, channels = struct.unpack_from(">HHB", data, at + 5)
             return width, height, channels
     raise ValueError("no frame")
+
+
+def _has_end(data: bytes) -> bool:
+    """Tell whether a JPEG's marker of the end follows its first scan; what is cut off is decoded to grey without a word."""
+    scan = next((at for at, marker in segments(data) if marker == 0xDA), len(data))
+    return data.find(b"\xff\xd9", scan) >= 0
 
 
 def segments(data: bytes) -> Iterator[tuple[int, int]]:

@@ -69,7 +69,7 @@ def _one_channel(picture: NDArray[np.float64], path: Path, channel: str) -> NDAr
         return picture[..., :3] @ np.array(LUMINANCE) if count >= 3 else picture[..., 0]
     if channel == "alpha":
         if count not in (2, 4):
-            raise RecipeError(f"{path.name} has no alpha channel; it has {count}")
+            raise RecipeError(f"{path.name} has no alpha channel, but {count} of color or grey")
         return picture[..., -1]
     return picture[..., 0 if count < 3 else ("red", "green", "blue").index(channel)]
 
@@ -93,6 +93,11 @@ def read_picture(path: str | Path) -> NDArray[np.float64]:
         If the file cannot be read as one of these.
     """
     pixels = _pixels(path)
+    if pixels.dtype.kind in "iu" and pixels.dtype.itemsize > 2:
+        raise RecipeError(
+            f"the picture {str(path)!r} holds whole numbers of {8 * pixels.dtype.itemsize} bits, of which nobody says "
+            "what is white; save it with 16 bits, or as float"
+        )
     scale = np.iinfo(pixels.dtype).max if pixels.dtype.kind in "iu" else 1
     return pixels.astype(np.float64) / scale
 

@@ -12,6 +12,7 @@ from surftex.files.pictures import read_mask, read_picture
 from surftex.recipe.model import Recipe
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import plane, sphere
+from surftex.surface.surface import Surface
 from tests.bake.waves import Waves
 
 
@@ -114,6 +115,10 @@ def test_pictures_of_every_kind(tmp_path):
     assert read_picture(tmp_path / "c.png").shape == (2, 2, 4)
     with pytest.raises(RecipeError, match="has no alpha channel"):
         read_mask(tmp_path / "b.png", "alpha")
+    sheet = plane()
+    sheet = Surface.from_arrays(sheet.vertices, sheet.faces, corner_uv=np.full((len(sheet.faces), 3, 2), 0.5))
+    with pytest.raises(RecipeError, match="has the label 7; it holds 0, 51, 102, 255"):
+        fields_of(sheet, toe={"image": str(tmp_path / "a.png"), "label": 7})
 
 
 @pytest.mark.parametrize(

@@ -142,3 +142,28 @@ def check_refused(reader, path, says):
     assert says in str(caught.value)
     assert "\n" not in str(caught.value)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MOST_NUMBERS / 1024
+
+
+def test_a_jpeg_that_is_cut_off_is_refused_wherever_it_ends(tmp_path):
+    import imagecodecs
+
+    random = np.random.Generator(np.random.PCG64(1))
+    for pixels in (
+        random.integers(0, 256, (96, 96), np.uint8),
+        random.integers(0, 256, (64, 64, 3), np.uint8),
+    ):
+        data = bytes(imagecodecs.jpeg_encode(pixels, level=95))
+        assert decoded(data, "whole").shape == pixels.shape
+        assert decoded(data + b"\0\0 more", "followed").shape == pixels.shape
+        for share in (0.4, 0.75, 0.99):
+            with pytest.raises(InputError, match=r"half: is a damaged JPEG \(it is cut off before its end\)"):
+                decoded(data[: int(share * len(data))], "half")
+
+
+def test_whole_numbers_of_32_bits_are_refused(tmp_path):
+    import imagecodecs
+
+    (tmp_path / "wide.tif").write_bytes(imagecodecs.tiff_encode(np.arange(12, dtype=np.uint32).reshape(3, 4)))
+    check_refused(read_picture, tmp_path / "wide.tif", "holds whole numbers of 32 bits")
+    (tmp_path / "well.tif").write_bytes(imagecodecs.tiff_encode(np.full((3, 4), 65535, np.uint16)))
+    assert (read_picture(tmp_path / "well.tif") == 1).all()

@@ -57,9 +57,12 @@ def test_exr_round_trip_is_exact(tmp_path, shape):
 
 def test_unreadable_files_are_told_in_a_line(tmp_path):
     (tmp_path / "a.png").write_text("no picture")
-    for read in (read_png, read_exr):
-        with pytest.raises(InputError, match=r"a\.png: no readable") as caught:
-            read(tmp_path / "a.png")
+    (tmp_path / "b.exr").touch()
+    for read, name, said in (
+        (read_png, "a.png", "no readable"), (read_exr, "a.png", "is no EXR file"), (read_exr, "b.exr", "is empty")
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=rf"{name}: {said}") as caught:
+            read(tmp_path / name)
         assert "\n" not in str(caught.value)
     with pytest.raises(InputError, match="no such file"):
         read_exr(tmp_path / "missing.exr")
