@@ -11,6 +11,8 @@ from surftex.preview.studio import Lamps, Studio, mirrored
 _MAP_PX = 1024
 _GRAZING = np.float32(0.12)
 """Least cosine between what shades and the eye."""
+_HORIZON = np.float32(0.01)
+"""Least height of what is mirrored above the plane of the mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,26 +159,50 @@ def shaded(
     shorter = np.clip(material[:, 12], 0.05, 1.0)
     alpha = np.sqrt(np.clip(roughness, 0.03, 1) ** 4 + np.minimum((1 - shorter) / shorter, 0.5))
     alpha = np.minimum(alpha, 1.0).astype(np.float32)
-    # A relief that a normal map tells of turns away from a grazing eye; what is seen there is its near side.
-    normal = normal + np.maximum(_GRAZING - (normal * to_eye).sum(axis=1), 0)[:, None] * to_eye
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    cosine = np.clip((normal * to_eye).sum(axis=1), 0.03, 1.0)
+    normal = _towards(normal, to_eye)
     light, seen = scene.gather(point, normal, facing)
     colors = np.array([box.color for box in scene.studio.boxes] + [(1.0, 1.0, 1.0)], np.float32)
     open_room = (light * np.array([1.0] * len(scene.studio.boxes) + [0.0], np.float32)) @ colors
     open_room *= np.sqrt(occlusion)
     diffuse = open_room + light[:, -1:] * colors[-1] * occlusion
+    normal = _mirroring(normal, facing, to_eye)
+    cosine = np.clip((normal * to_eye).sum(axis=1), 0.03, 1.0)
     mirror = 2 * (normal * to_eye).sum(axis=1)[:, None] * normal - to_eye
-    above = np.clip(1 + 4 * (mirror * facing).sum(axis=1), 0, 1)
     blurred = mirrored(scene.studio, scene.lamps, scene.up, mirror.astype(np.float32), 0.06 + 1.15 * alpha)
     shine = np.zeros_like(diffuse)
     for number, radiance in enumerate(blurred):
         cover = seen[:, number] if number < len(scene.studio.boxes) else seen[:, number] * occlusion[:, 0]
-        shine += (radiance * cover * above)[:, None] * colors[number]
+        shine += (radiance * cover)[:, None] * colors[number]
     scale, offset = _environment(cosine, alpha)
     specular = (f0 * scale[:, None] + offset[:, None]) * shine * np.minimum(1, occlusion + 0.3)
     rest = 1 - np.clip(f0 + (1 - f0) * (1 - cosine[:, None]) ** 5 * (1 - 0.8 * alpha[:, None]), 0, 1)
     return (base * (1 - metallic) * diffuse * rest + specular) * np.float32(scene.studio.exposure)
+
+
+def _towards(normal: NDArray[np.float32], to_eye: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Turn normals back to the eye: a relief of a normal map turns away from a grazing one, which sees its near side."""
+    normal = normal + np.maximum(_GRAZING - (normal * to_eye).sum(axis=1), 0)[:, None] * to_eye
+    return normal / np.linalg.norm(normal, axis=1)[:, None]
+
+
+def _mirroring(
+    normal: NDArray[np.float32], facing: NDArray[np.float32], to_eye: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """Turn normals that mirror what lies within the mesh towards the mesh's own, until they mirror its horizon.
+
+    With the angle t between both, and the eye at x, z in their plane, the mirror's height is x sin 2t + z cos 2t.
+    """
+    facing = _towards(facing, to_eye)
+    height = (facing * to_eye).sum(axis=1)
+    least, upright = np.minimum(_HORIZON, 0.9 * height), (normal * facing).sum(axis=1)
+    low = np.flatnonzero(2 * (normal * to_eye).sum(axis=1) * upright - height < least)
+    side = normal[low] - upright[low, None] * facing[low]
+    side /= np.maximum(np.linalg.norm(side, axis=1), 1e-6)[:, None]
+    x, z = (side * to_eye[low]).sum(axis=1), height[low]
+    turn = 0.5 * (np.arctan2(x, z) + np.arccos(least[low] / np.hypot(x, z)))[:, None]
+    turned = normal.copy()
+    turned[low] = np.sin(turn) * side + np.cos(turn) * facing[low]
+    return turned
 
 
 def _environment(

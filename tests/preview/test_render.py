@@ -10,8 +10,9 @@ from surftex.kernels.view import nearest_faces
 from surftex.preview import render as stills
 from surftex.preview.camera import camera_for
 from surftex.preview.render import render, render_file, render_files
+from surftex.preview.shading import lit, shaded
 from surftex.preview.sheet import contact_sheet, written
-from surftex.preview.studio import SoftBox, Studio
+from surftex.preview.studio import SoftBox, Studio, lamps_of
 from surftex.preview.texture import Pyramid, linear_light
 from surftex.surface.shapes import plane, sphere
 from surftex.surface.surface import Surface
@@ -132,6 +133,26 @@ def test_a_normal_map_looks_like_the_relief_that_it_stands_for(mirrored):
     plain = render(flat, **options)[20:-20, 20:-20].astype(float)
     assert np.corrcoef(told.ravel(), true.ravel())[0, 1] > 0.97
     assert np.abs(told - true).mean() < 0.35 * np.abs(plain - true).mean()
+
+
+def test_a_mirror_in_an_even_room_has_no_dark_slopes():
+    """Far walls of a relief mirror what lies below the plane of the mesh: they show its horizon, not black."""
+    floor = plane(10.0, cells=1)
+    studio = Studio((), above=0.5, below=0.5)
+    up = np.array([0.0, 0, 1])
+    scene = lit(floor.vertices, floor.faces, studio, lamps_of(studio, np.eye(3), up), up)
+    lean, turn, low = (grid.ravel() for grid in np.meshgrid(
+        np.radians(np.arange(0, 75, 3)), np.radians(np.arange(0, 360, 15)), np.radians((2, 10, 30, 60))
+    ))  # fmt: skip
+    normal = np.stack([np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.cos(lean)], axis=1)
+    to_eye = np.stack([np.cos(low), 0 * low, np.sin(low)], axis=1)
+    metal = np.array([[1, 1, 1, 1, 0.2, 1, 0.04, 0.04, 0.04, 0, 0, 1, 1]])
+    place = np.tile([5.0, 5.0, 0.0], (len(lean), 1))
+    light = shaded(scene, *(
+        array.astype(np.float32)
+        for array in (np.repeat(metal, len(lean), axis=0), place, normal, np.tile(up, (len(lean), 1)), to_eye)
+    ))  # fmt: skip
+    assert light.min() > 0.9 * light.max()
 
 
 def test_pictures_are_halved_and_blended():
