@@ -262,7 +262,8 @@ def _grey(settings: BakeSettings, atlas: "Atlas") -> tuple[str, ...]:
 
 
 def _one_tile(settings: BakeSettings, atlas: "Atlas") -> tuple[str, ...]:
-    if not settings.udim or settings.texels_per_mm is not None or len(atlas.tiles) > 1:
+    wanted = settings.udim and settings.texels_per_mm is None and settings.uv != "keep"
+    if not wanted or len(atlas.tiles) > 1:
         return ()
     return (
         "all lies on one tile; name a density (--texels-per-mm) to have it spread over as many as that takes",

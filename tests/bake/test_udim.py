@@ -96,6 +96,13 @@ def test_tiles_that_are_one_for_want_of_a_density_are_told(options, told):
     assert any("all lies on one tile; name a density" in line for line in report["warnings"]) == told
 
 
+def test_kept_uvs_on_one_tile_are_not_told_of_a_density_that_they_cannot_take():
+    square = sx.shapes.plane(20.0, cells=2)
+    report = bake(square, Recipe.of(LEATHER, udim=True, uv="keep"), resolution=64).report
+    assert report["unwrap"]["tiles"] == [1001]
+    assert not any("density" in line for line in report["warnings"])
+
+
 @pytest.mark.parametrize("shift", [(10.0, 0.0), (-1.0, 0.0), (0.0, -3.0)])
 def test_uvs_off_all_tiles_are_told_in_a_line(shift):
     surface = two_tiles()
