@@ -314,12 +314,13 @@ def image_field(
     if not np.isfinite(pixels).all():
         raise RecipeError(f"{name} holds {np.count_nonzero(~np.isfinite(pixels))} pixels that are not finite")
     if label is not None:
-        held = np.unique(pixels)
-        pixels = (pixels == label).astype(np.float64)
-        if not pixels.any():
+        labelled = pixels == label
+        if not labelled.any():
+            held = np.unique(pixels)
             some = ", ".join(f"{value:g}" for value in held[:_MOST_TOLD])
             more = f" and {len(held) - _MOST_TOLD} more" if len(held) > _MOST_TOLD else ""
             raise RecipeError(f"no pixel of {name} has the label {label}; it holds {some}{more}")
+        pixels = labelled.astype(np.float64)
     corner_uv, (height, width) = surface.corner_uv, pixels.shape
     low, high = Pixels(pixels).over(corner_uv)
     if low.min() == high.max() and pixels.min() < pixels.max():

@@ -95,14 +95,15 @@ def surface_of(
         part=labels[polygon],
         attributes={name: values[triangles] for name, values in polygons.attributes.items()},
     )
-    kept = np.bincount(mended.part, minlength=len(names))
-    given = np.bincount(labels[polygon], minlength=len(names))
-    warnings.extend(
-        f"nothing is left of part {lost!r}: its faces are too small beside the whole mesh, or have no area; "
-        "choose it by itself (part, --part)"
-        for lost, now, before in zip(names, kept, given, strict=True)
-        if before > 0 and now == 0
-    )
+    kept, given = (np.bincount(part, minlength=len(names)) for part in (mended.part, labels[polygon]))
+    if lost := [
+        name for name, now, before in zip(names, kept, given, strict=True) if before > 0 and now == 0
+    ]:
+        several = f" and {len(lost) - 1} more" if len(lost) > 1 else ""
+        warnings.append(
+            f"nothing is left of part {lost[0]!r}{several}: all faces are too small beside the whole mesh, or have no area; "
+            "choose such a part by itself (part, --part)"
+        )
     return Surface.from_arrays(
         mended.vertices,
         mended.faces,

@@ -354,14 +354,14 @@ def test_sheets_that_meet_only_after_welding_keep_their_winding(shared):
 def test_a_part_that_is_lost_beside_the_whole_is_named(tmp_path):
     v, f = ball()
     text, first = "", 1
-    for name, scale, x in (("large", 1000.0, 0.0), ("speck", 1e-5, 4000.0)):
+    for name, scale, x in (("large", 1000.0, 0.0), ("speck", 1e-5, 4000.0), ("mote", 1e-5, 5000.0)):
         text += f"g {name}\n" + "".join(
             f"v {scale * a + x:.9g} {scale * b:.9g} {scale * c:.9g}\n" for a, b, c in v
         )
         text += "".join(f"f {a + first} {b + first} {c + first}\n" for a, b, c in f)
         first += len(v)
     whole = load(saved(tmp_path, "both.obj", text.encode()), units="mm")
-    assert [text for text in whole.warnings if "nothing is left of part 'speck'" in text]
+    assert [text for text in whole.warnings if "nothing is left of part 'speck' and 1 more" in text]
     alone = load(tmp_path / "both.obj", units="mm", part="speck")
     assert len(alone.faces) > 0.9 * len(f)
     assert not any("nothing is left" in text for text in alone.warnings)

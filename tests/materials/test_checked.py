@@ -1,5 +1,6 @@
 """Whatever a user makes in Python tells its mistakes in one line, in the words of the command."""
 
+import numpy as np
 import pytest
 
 import surftex as sx
@@ -58,3 +59,18 @@ def test_of_many_mistakes_the_first_are_told():
         sx.RecipeError, match=r"leather\.k0: .*leather\.k7: unknown key.*; and 2 more mistakes$"
     ):
         sx.Leather(**{f"k{i}": 1 for i in range(10)})
+
+
+def test_numbers_of_numpy_are_taken_as_plain_ones():
+    leather = sx.Leather.preset("calf", cell_size=np.float32(2.5), regularity=np.int64(2))
+    assert (leather.cell_size, leather.regularity) == (2.5, 2)
+    assert BakeSettings(resolution=np.int64(64), udim=np.bool_(True)) == BakeSettings(
+        resolution=64, udim=True
+    )
+    with pytest.raises(sx.RecipeError, match=r"resolution: 64\.5: should be a valid integer"):
+        BakeSettings(resolution=np.float64(64.5))
+
+
+def test_a_preset_is_named_by_text():
+    with pytest.raises(sx.RecipeError, match="leather preset None: a preset is named by text, such as"):
+        sx.Leather.preset(None)
