@@ -1,5 +1,7 @@
 """Texels: truth on flat ground, and the same bytes for any threads and bands."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.ndimage import distance_transform_edt
@@ -123,6 +125,21 @@ def test_same_bytes_for_any_threads_and_rows(exact_px):
     for name, take in fields.items():
         assert take(again).tobytes() == take(whole).tobytes(), name
         assert np.concatenate([take(part) for part in parts]).tobytes() == take(whole).tobytes(), name
+
+
+def test_blocks_of_the_far_gutter_are_the_same_wherever_rows_are_cut():
+    sheet, atlas, *_ = cut_plane()
+    whole = texels(sheet, atlas, SIDE, gutter_px=14, exact_px=2.0)
+    cuts = (0, 5, 37, 38, 67, 71, SIDE)
+    parts = [texels(sheet, atlas, SIDE, gutter_px=14, exact_px=2.0, rows=rows) for rows in pairwise(cuts)]
+    assert (np.bincount(whole.source) == 16).sum() > 20
+    for take in (
+        lambda t: t.texel, lambda t: t.points.face, lambda t: t.points.barycentric, lambda t: t.host, lambda t: t.turn_rad
+    ):  # fmt: skip
+        np.testing.assert_array_equal(np.concatenate([take(part) for part in parts]), take(whole))
+    for part in parts:
+        np.testing.assert_array_equal(part.points.barycentric, part.points.barycentric[part.source])
+        assert (part.source <= np.arange(len(part))).all()
 
 
 def test_positions_agree_across_seams_where_texels_meet():

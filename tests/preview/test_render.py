@@ -281,3 +281,24 @@ def test_an_empty_picture_is_refused_with_where_the_subject_is(tmp_path, capsys)
     assert "nothing is in view" in capsys.readouterr().err
     assert not (tmp_path / "ball.png").exists()
     assert main([*aimed, "--view", "-90,10", "--target", "-5,0,0"]) == 0
+
+
+def test_normals_are_bent_until_they_mirror_the_horizon_and_no_further():
+    from surftex.preview.shading import _mirroring, _towards
+
+    random = np.random.Generator(np.random.PCG64(5))
+    normal, facing, eye = (random.normal(size=(4000, 3)).astype(np.float32) for _ in range(3))
+    eye, facing = (part / np.linalg.norm(part, axis=1)[:, None] for part in (eye, facing))
+    facing = _towards(facing, eye)
+    normal = _towards(facing + 0.8 * normal / np.linalg.norm(normal, axis=1)[:, None], eye)
+
+    def height(of):
+        mirror = 2 * (of * eye).sum(axis=1)[:, None] * of - eye
+        return (mirror * facing).sum(axis=1)
+
+    least = np.minimum(0.01, 0.9 * (facing * eye).sum(axis=1))
+    bent, low = _mirroring(normal, facing, eye), height(normal) < least
+    assert 200 < low.sum() < 3800
+    np.testing.assert_array_equal(bent[~low], normal[~low])
+    np.testing.assert_allclose(height(bent)[low], least[low], atol=1e-4)
+    np.testing.assert_allclose(np.linalg.norm(bent, axis=1), 1, atol=1e-5)
