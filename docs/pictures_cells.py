@@ -66,6 +66,13 @@ def with_rings(work):
     return work({"rings": {"image": str(path)}})
 
 
+def on_the_sheet(picture):
+    """Cut off the background around a flat sheet."""
+    sheet = np.abs(picture.astype(int) - picture[0, 0]).max(axis=2) > 12
+    rows, columns = (np.flatnonzero(sheet.mean(axis=axis) > 0.5) for axis in (1, 0))
+    return picture[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+
+
 def figure_8():
     """Fig. 8 of the report: particles under a constant force, the potential, under it, and both laid over each other."""
 
@@ -79,8 +86,9 @@ def figure_8():
             maps = bake_tile(recipe, 25.0, growth=growth)
             size = {"size": (340, 340), "zoom": 1.06, **FLAT}
             pictures += growth_frames(maps, recipe.layer[0].material, growth.states, **size)
-        potential = np.full((340, 340, 3), 231, np.uint8)
-        potential[20:314, 18:314] = np.kron(rings(148), np.ones((2, 2), np.uint8))[:294, :, None]
+        pictures = [on_the_sheet(picture) for picture in pictures]
+        rows, columns = (np.linspace(0, 255, side).astype(int) for side in pictures[1].shape[:2])
+        potential = np.repeat(rings()[rows][:, columns, None], 3, axis=2)
         both = np.clip(0.62 * pictures[1] + 0.5 * potential, 0, 255).astype(np.uint8)
         labels = ["(a) constant force", "(b) potential", "(c) under it", "(d) (b) and (c)"]
         save(contact_sheet([pictures[0], potential, pictures[1], both], labels, columns=4), "cells-figure-8")

@@ -169,9 +169,11 @@ class Shot:
         camera = camera_for(vertices[seen], fine, view=view, zoom=zoom, target=target, up=up)
         face, weight = _visible(camera.project(vertices)[faces], fine)
         around = _facing(vertices, faces, face, camera) if studio.grazes else camera.axes
-        scene = lit(vertices, faces, studio, lamps_of(studio, around, UPS[up]), UPS[up])
+        stands = floor if floor is not None else (zoom <= 1.5 and camera.axes[2] @ UPS[up] > 0.02)
+        shown = vertices[seen] if stands else _shown(vertices, faces, face, weight)
+        scene = lit(vertices, faces, studio, lamps_of(studio, around, UPS[up]), UPS[up], shown)
         backdrop = np.broadcast_to(behind, (*face.shape, 3)).astype(np.float32).copy()
-        if floor if floor is not None else (zoom <= 1.5 and camera.axes[2] @ UPS[up] > 0.02):
+        if stands:
             _stand(backdrop, face, scene, camera, float((vertices[seen] @ UPS[up]).min()))
         return Shot(size, samples, camera, face, weight, scene, backdrop)
 
@@ -337,6 +339,20 @@ def _visible(
     corner = np.ascontiguousarray(corner)
     slices(lambda a, b: nearest_faces(corner, a, face[a:b], weight[a:b], near[a:b]), height, size=_BAND)
     return face, weight
+
+
+def _shown(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int32],
+    face: NDArray[np.int32],
+    weight: NDArray[np.float32],
+) -> NDArray[np.float64]:
+    """Points of the surface under every third sample; all vertices where none shows it."""
+    face, weight = face[::3, ::3].ravel(), weight[::3, ::3].reshape(-1, 3)
+    at = np.flatnonzero(face >= 0)
+    if not len(at):
+        return vertices[np.unique(faces)]
+    return np.einsum("nk,nkc->nc", weight[at], vertices[faces[face[at]]])
 
 
 def _facing(

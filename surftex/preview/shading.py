@@ -89,6 +89,7 @@ def lit(
     studio: Studio,
     lamps: Lamps,
     up: NDArray[np.float64],
+    shown: NDArray[np.float64],
 ) -> Lit:
     """Draw the shadows.
 
@@ -104,6 +105,8 @@ def lit(
         Where they are.
     up : (3,) float
         Where the ceiling is.
+    shown : (p, 3) float64
+        Points that are to be lit: shadows are drawn as finely as these lie close together.
 
     Returns
     -------
@@ -112,9 +115,9 @@ def lit(
     """
     from surftex.kernels.view import lamp_depths
 
-    centre = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    centre = 0.5 * (shown.min(axis=0) + shown.max(axis=0))
     place = np.ascontiguousarray(vertices - centre)
-    radius = max(float(np.linalg.norm(place, axis=1).max()), 1e-6)
+    radius = max(float(np.linalg.norm(shown - centre, axis=1).max()), 1e-6)
     scale = 0.49 * _MAP_PX / radius
     depth = np.full((len(lamps.frame), _MAP_PX, _MAP_PX), -1e30, np.float32)
     faces = np.ascontiguousarray(faces, dtype=np.int32)

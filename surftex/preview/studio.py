@@ -27,14 +27,14 @@ class SoftBox:
     color : (3,) tuple
         Linear, mean about 1.
     lamps : int
-        Lamps along each side that stand for it.
+        Lamps that stand for it.
     """
 
     towards: tuple[float, float, float]
     half: tuple[float, float]
     strength: float
     color: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    lamps: int = 3
+    lamps: int = 16
 
 
 @dataclass(frozen=True)
@@ -65,18 +65,18 @@ class Studio:
 STUDIOS = {
     "studio": Studio(
         (
-            SoftBox((-0.72, 0.95, 0.62), (0.30, 0.30), 0.92, (1.0, 0.97, 0.93), 5),
-            SoftBox((1.0, 0.35, 0.30), (0.16, 0.8), 0.26, (0.95, 0.97, 1.0), 4),
-            SoftBox((0.40, 0.60, -0.9), (0.25, 0.7), 0.50, (1.0, 1.0, 1.0), 3),
+            SoftBox((-0.72, 0.95, 0.62), (0.30, 0.30), 0.92, (1.0, 0.97, 0.93), 25),
+            SoftBox((1.0, 0.35, 0.30), (0.16, 0.8), 0.26, (0.95, 0.97, 1.0), 16),
+            SoftBox((0.40, 0.60, -0.9), (0.25, 0.7), 0.50, (1.0, 1.0, 1.0), 9),
         ),
         above=0.24,
         below=0.10,
     ),
     "portrait": Studio(
         (
-            SoftBox((-0.55, 0.55, 0.80), (0.45, 0.45), 1.05, (1.0, 0.97, 0.93), 5),
-            SoftBox((0.9, 0.15, 0.55), (0.3, 0.8), 0.38, (0.97, 0.98, 1.0), 4),
-            SoftBox((0.40, 0.60, -0.9), (0.25, 0.7), 0.6, (1.0, 1.0, 1.0), 3),
+            SoftBox((-0.55, 0.55, 0.80), (0.45, 0.45), 1.05, (1.0, 0.97, 0.93), 25),
+            SoftBox((0.9, 0.15, 0.55), (0.3, 0.8), 0.38, (0.97, 0.98, 1.0), 16),
+            SoftBox((0.40, 0.60, -0.9), (0.25, 0.7), 0.6, (1.0, 1.0, 1.0), 9),
         ),
         above=0.3,
         below=0.16,
@@ -84,8 +84,8 @@ STUDIOS = {
     ),
     "raking": Studio(
         (
-            SoftBox((-1.0, 0.34, 0.26), (0.12, 0.18), 1.9, (1.0, 0.98, 0.95), 4),
-            SoftBox((0.7, 0.5, 0.8), (0.6, 0.6), 0.08, (0.95, 0.97, 1.0), 2),
+            SoftBox((-1.0, 0.34, 0.26), (0.12, 0.18), 1.9, (1.0, 0.98, 0.95), 48),
+            SoftBox((0.7, 0.5, 0.8), (0.6, 0.6), 0.08, (0.95, 0.97, 1.0), 12),
         ),
         above=0.09,
         below=0.05,
@@ -166,12 +166,10 @@ def lamps_of(studio: Studio, view: NDArray[np.float64], up: NDArray[np.float64],
         towards = _unit(np.asarray(box.towards) @ view)
         frame = _frame(towards, up)
         boxes.append(frame)
-        steps = (np.arange(box.lamps) + 0.5) / box.lamps * 2 - 1
-        for x in steps * box.half[0]:
-            for y in steps * box.half[1]:
-                frames.append(_frame(_unit(towards + x * frame[0] + y * frame[1]), up))
-                shares.append(box.strength / box.lamps**2)
-                groups.append(number)
+        for place in _scattered(box.lamps) * box.half:
+            frames.append(_frame(_unit(towards + place @ frame[:2]), up))
+            shares.append(box.strength / box.lamps)
+            groups.append(number)
     turn = np.arange(room) * np.pi * (3 - 5**0.5)
     height = 1 - 2 * (np.arange(room) + 0.5) / room
     flat = np.sqrt(1 - height**2)
@@ -181,6 +179,13 @@ def lamps_of(studio: Studio, view: NDArray[np.float64], up: NDArray[np.float64],
         shares.append(4 / room * (studio.below + (studio.above - studio.below) * (0.5 + 0.5 * z)))
         groups.append(len(studio.boxes))
     return Lamps(np.array(frames), np.array(shares), np.array(groups, np.int32), np.array(boxes))
+
+
+def _scattered(count: int) -> NDArray[np.float64]:
+    """Places in a disk as large as the square from -1 to 1, few of them in line: shadows of those would meet in steps."""
+    number = np.arange(count)
+    turn, away = number * np.pi * (3 - 5**0.5), np.sqrt((number + 0.5) / count * 4 / np.pi)
+    return np.stack([away * np.cos(turn), away * np.sin(turn)], axis=1)
 
 
 def mirrored(

@@ -140,7 +140,7 @@ def test_a_mirror_in_an_even_room_has_no_dark_slopes():
     floor = plane(10.0, cells=1)
     studio = Studio((), above=0.5, below=0.5)
     up = np.array([0.0, 0, 1])
-    scene = lit(floor.vertices, floor.faces, studio, lamps_of(studio, np.eye(3), up), up)
+    scene = lit(floor.vertices, floor.faces, studio, lamps_of(studio, np.eye(3), up), up, floor.vertices)
     lean, turn, low = (grid.ravel() for grid in np.meshgrid(
         np.radians(np.arange(0, 75, 3)), np.radians(np.arange(0, 360, 15)), np.radians((2, 10, 30, 60))
     ))  # fmt: skip
@@ -153,6 +153,36 @@ def test_a_mirror_in_an_even_room_has_no_dark_slopes():
         for array in (np.repeat(metal, len(lean), axis=0), place, normal, np.tile(up, (len(lean), 1)), to_eye)
     ))  # fmt: skip
     assert light.min() > 0.9 * light.max()
+
+
+def test_shadows_are_as_fine_as_what_is_shown():
+    """The edge of a wide roof throws a shadow that close-ups see sharp, not in steps of the roof's own size."""
+    roof = np.array([[0.0, -100, 20], [200, -100, 20], [200, 100, 20], [0, 100, 20]])
+    studio = Studio((SoftBox((0.0, 0.0, 1.0), (0.0, 0.0), 1.0, lamps=1),), above=0.0, below=0.0)
+    up = np.array([0.0, 0, 1])
+    lamps = lamps_of(studio, np.eye(3), up)
+    across = np.linspace(-1, 1, 401)
+    floor = np.stack([across, 0 * across, 0 * across], axis=1)
+    upright = np.tile(up, (len(floor), 1))
+    wide = {}
+    for name, shown in (("roof", roof), ("floor", floor)):
+        scene = lit(roof, np.array([[0, 1, 2], [0, 2, 3]], np.int32), studio, lamps, up, shown)
+        light = scene.gather(floor, upright, upright)[0][:, 0]
+        wide[name] = float(((light > 0.05) & (light < 0.95)).mean() * 2)
+        assert abs(across[np.argmin(np.abs(light - 0.5))]) < 0.3
+    assert wide["floor"] < 0.02 < wide["roof"]
+
+
+def test_lamps_of_a_box_lie_in_no_line():
+    """Seen along any direction they come one after another: shadows of an edge fade in as many steps."""
+    studio = Studio((SoftBox((0.0, 0.0, 1.0), (0.3, 0.3), 1.0, lamps=49),), above=0.0, below=0.0)
+    lamps = lamps_of(studio, np.eye(3), np.array([0.0, 1, 0]))
+    towards = lamps.frame[lamps.group == 0, 2]
+    places = towards[:, :2] / towards[:, 2:] / 0.3
+    assert np.abs(places.mean(axis=0)).max() < 0.1
+    for turn in np.radians(np.arange(0, 180, 5)):
+        along = np.sort(places @ [np.cos(turn), np.sin(turn)])
+        assert (along[6:] - along[:-6]).min() > 0.03  # of a grid of 7 by 7, seven lie in a line
 
 
 def test_pictures_are_halved_and_blended():
