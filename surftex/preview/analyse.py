@@ -211,6 +211,10 @@ def _height(path: Path) -> NDArray[np.float64]:
     """Read the one channel of an EXR."""
     from surftex.files.images import read_exr
 
+    if path.suffix.lower() != ".exr" and path.is_file():
+        raise InputError(
+            f"{path}: is no EXR; analyse takes the height that a bake writes, such as shoe_height.exr"
+        )
     channels = read_exr(path)
     flat = {name: values for name, values in channels.items() if values.ndim == 2}
     if len(flat) != 1:

@@ -82,15 +82,20 @@ def render(
         subject, size=size, view=view, light=light, zoom=zoom, target=target, background=background, up=up, floor=floor,
         samples=samples,
     )  # fmt: skip
-    if (shot.face < 0).all():
-        vertices, faces = _joined(bodies_of(subject))
-        seen = vertices[np.unique(faces)]
-        spans = (
-            f"{axis} {low:.4g} to {high:.4g}"
-            for axis, low, high in zip("xyz", seen.min(axis=0), seen.max(axis=0), strict=True)
-        )
-        raise RecipeError(f"nothing is in view; the subject spans {', '.join(spans)}: aim there, or zoom out")
+    _refuse_empty(shot.face, *_joined(bodies_of(subject)))
     return shot.drawn(subject)
+
+
+def _refuse_empty(face: NDArray[np.int32], vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
+    """Refuse a picture of nothing; say where the subject is."""
+    if (face >= 0).any():
+        return
+    seen = vertices[np.unique(faces)]
+    spans = (
+        f"{axis} {low:.4g} to {high:.4g}"
+        for axis, low, high in zip("xyz", seen.min(axis=0), seen.max(axis=0), strict=True)
+    )
+    raise RecipeError(f"nothing is in view; the subject spans {', '.join(spans)}: aim there, or zoom out")
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,6 +287,8 @@ def render_files(
     target = check_picture(out)
     shots = _shots(views, lights, turntable)
     bodies = bodies_of(path)
+    if len(shots) > 1:
+        _check_views(bodies, shots, **options)
     pictures: list[NDArray[np.uint8]] = []
     paths: list[Path] = []
     for name, view, light in shots:
@@ -296,6 +303,25 @@ def render_files(
 
         paths = [save_picture(target, contact_sheet(pictures, [name.upper() for name, *_ in shots]))]
     return paths
+
+
+def _check_views(
+    bodies: list[Body],
+    shots: list[tuple[str, str | tuple[float, float], str]],
+    *,
+    size: tuple[int, int] = (1280, 960),
+    zoom: float = 1.0,
+    target: ArrayLike | None = None,
+    up: str = "y",
+    samples: int = 2,
+    **_: Any,
+) -> None:
+    """Refuse views of nothing before the first picture is drawn."""
+    vertices, faces = _joined(bodies)
+    seen, fine = vertices[np.unique(faces)], (size[0] * samples, size[1] * samples)
+    for view in {view for _, view, _ in shots}:
+        camera = camera_for(seen, fine, view=view, zoom=zoom, target=target, up=up)
+        _refuse_empty(_visible(camera.project(vertices)[faces], fine)[0], vertices, faces)
 
 
 def _shots(

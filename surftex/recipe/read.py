@@ -1,5 +1,6 @@
 """Reading recipes: from a TOML file, or from the name of a preset, with the changes of a command line."""
 
+import re
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,8 +13,11 @@ from surftex.recipe.fields import named_files
 from surftex.recipe.layer import preset_material
 from surftex.recipe.mistakes import checked_recipe
 from surftex.recipe.model import Recipe
+from surftex.units import MM_PER_UNIT
 
 _LARGEST_BYTES = 4 * 2**20
+
+_BARE_LENGTH = re.compile(rf"=\s*[-+.\d]+\s*({'|'.join(MM_PER_UNIT)})\s*(#.*)?$")
 
 
 def load_recipe(path: str | Path, *, allow_outside: bool = False, changes: Iterable[str] = ()) -> Recipe:
@@ -161,8 +165,10 @@ def parsed(text: str, name: str) -> tuple[dict[str, Any], dict[lines.Path, int]]
         return tomllib.loads(text), lines.key_lines(text)
     except tomllib.TOMLDecodeError as problem:
         what, _, place = str(problem).partition(" (at line ")
-        line = place.split(",")[0] if place else str(text.count("\n") + 1)
-        raise RecipeError(f"{name}:{line}: {what[:1].lower() + what[1:]}") from None
+        number = int(place.split(",")[0]) if place else text.rstrip().count("\n") + 1
+        written = (text.split("\n")[number - 1 : number] or [""])[0].strip()
+        hint = "; write a length in quotes" if _BARE_LENGTH.search(written) else ""
+        raise RecipeError(f"{name}:{number}: {what[:1].lower() + what[1:]}: {written:.60}{hint}") from None
     except RecursionError:
         raise RecipeError(f"{name}: nested too deeply to be read") from None
     except ValueError:  # of int, which tells no line

@@ -311,6 +311,12 @@ def test_an_empty_picture_is_refused_with_where_the_subject_is(tmp_path, capsys)
     assert "nothing is in view" in capsys.readouterr().err
     assert not (tmp_path / "ball.png").exists()
     assert main([*aimed, "--view", "-90,10", "--target", "-5,0,0"]) == 0
+    beside = {"target": (60, 0, 0), "zoom": 4, **SMALL}
+    assert render(ball, view="right", **beside).any()
+    for out in ({}, {"sheet": True}):
+        with pytest.raises(RecipeError, match="nothing is in view"):  # from the second side
+            render_files(ball, tmp_path / "side.png", views=["right", "front"], **out, **beside)
+    assert not list(tmp_path.glob("side*"))
 
 
 def test_normals_are_bent_until_they_mirror_the_horizon_and_no_further():

@@ -96,8 +96,13 @@ MISTAKES = [
     ),
     ('"height"', '"hieght"', "shoe.toml:8: bake.maps: unknown map 'hieght'; did you mean height?"),
     ("seed = 7", "seed = 7.5", "shoe.toml:2: seed: 7.5: should be a valid integer"),
-    ("seed = 7", "seed = ", "shoe.toml:2: invalid value"),
-    ("seed = 7", "seed = 7\nseed = 8", "shoe.toml:3: cannot overwrite a value"),
+    ("seed = 7", "seed = ", "shoe.toml:2: invalid value: seed ="),
+    ("seed = 7", "seed = 7\nseed = 8", "shoe.toml:3: cannot overwrite a value: seed = 8"),
+    (
+        '"0.9 mm"',
+        "0.9 mm",
+        "shoe.toml:17: expected newline or end of document after a statement: cell_size = 0.9 mm; write a length in",
+    ),
     ("1.4", "true", "shoe.toml:18: layer.cell_ratio: true is neither a number nor text"),
     (
         "cell_ratio = 1.4",
