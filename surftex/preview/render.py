@@ -78,12 +78,13 @@ def render(
     RecipeError
         If an option is none, or nothing of the subject is in view.
     """
+    bodies = bodies_of(subject)
     shot = Shot.of(
-        subject, size=size, view=view, light=light, zoom=zoom, target=target, background=background, up=up, floor=floor,
+        bodies, size=size, view=view, light=light, zoom=zoom, target=target, background=background, up=up, floor=floor,
         samples=samples,
     )  # fmt: skip
-    _refuse_empty(shot.face, *_joined(bodies_of(subject)))
-    return shot.drawn(subject)
+    _refuse_empty(shot.face, *_joined(bodies))
+    return shot.drawn(bodies)
 
 
 def _refuse_empty(face: NDArray[np.int32], vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> None:
