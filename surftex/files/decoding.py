@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError
+from surftex.files.heads import TIFF, orientation, segments, tags
 from surftex.files.reading import printable
 
 MOST_NUMBERS = 2**28
@@ -28,14 +29,18 @@ _one_at_a_time = threading.Lock()
 _FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 """Markers of a JPEG that are followed by the size of the picture."""
 
-_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-_WIDTH, _HEIGHT, _SAMPLES = 256, 257, 277
+_WIDTH, _HEIGHT, _INKS, _SAMPLES = 256, 257, 262, 277
+_PRINTERS = 5
+"""Value of the tag `_INKS` where a TIFF holds inks, not light."""
+
 _CHANNELS = {0: 1, 2: 3, 3: 4, 4: 2, 6: 4}
 """Channels by the colour type of a PNG; a palette unfolds to as many as 4."""
 
 
-def decoded(data: bytes, name: str, *, error: type[InputError] = InputError) -> NDArray[Any]:
-    """Unpack a PNG, JPEG or TIFF.
+def decoded(
+    data: bytes, name: str, *, error: type[InputError] = InputError, as_stored: bool = False
+) -> NDArray[Any]:
+    """Unpack a PNG, JPEG or TIFF, turned as the file says that it is to be shown.
 
     Parameters
     ----------
@@ -45,16 +50,18 @@ def decoded(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
         What messages call it.
     error : type
         Of the failure.
+    as_stored : bool
+        Turn nothing, as glTF demands of textures.
 
     Returns
     -------
     pixels : (h, w) or (h, w, c) array
-        As the file has them; row 0 on top.
+        Codes as the file has them; row 0 on top.
 
     Raises
     ------
     InputError
-        Of the type `error`, if it is none of these, damaged, or unfolds to more than `MOST_NUMBERS` numbers.
+        Of the type `error`, if it is none of these, damaged, CMYK, or unfolds to more than `MOST_NUMBERS` numbers.
     """
     import imagecodecs
 
@@ -69,7 +76,19 @@ def decoded(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
     claimed(data, name, error=error)
     if kind == "JPEG" and not _has_end(data):
         raise error(f"{name}: is a damaged JPEG (it is cut off before its end); save it again")
-    return _unpacked(lambda: kinds[kind](data), kind, name, error)
+    number, at = orientation(data)
+    if kind == "TIFF" and number > 1:  # libtiff would mirror, and not turn, those that hold a JPEG
+        data = data[:at] + data[at:].replace(bytes([number]), b"\1", 1)
+    pixels = _unpacked(lambda: kinds[kind](data), kind, name, error)
+    return pixels if as_stored else _upright(pixels, number)
+
+
+def _upright(pixels: NDArray[Any], number: int) -> NDArray[Any]:
+    """Turn what is stored in an `orientation` as it is to be shown."""
+    if number >= 5:
+        pixels = pixels.swapaxes(0, 1)
+    down, right = -1 if number in (3, 4, 7, 8) else 1, -1 if number in (2, 3, 6, 7) else 1
+    return np.ascontiguousarray(pixels[::down, ::right])
 
 
 def kind_of(data: bytes) -> str:
@@ -89,11 +108,11 @@ def kind_of(data: bytes) -> str:
         return "PNG"
     if data[:2] == b"\xff\xd8":
         return "JPEG"
-    return "TIFF" if data[:4] in _TIFF else "EXR" if data[:4] == b"v/1\x01" else ""
+    return "TIFF" if data[:4] in TIFF else "EXR" if data[:4] == b"v/1\x01" else ""
 
 
 def claimed(data: bytes, name: str, *, error: type[InputError] = InputError) -> tuple[int, int, int]:
-    """Read what a picture claims to be; refuse it where that is more than could be meant.
+    """Read what a picture claims to be; refuse it where that is more than could be meant, or inks.
 
     Parameters
     ----------
@@ -107,21 +126,21 @@ def claimed(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
     Returns
     -------
     width : int
-        Pixels of a row.
+        Pixels of a row, as stored.
     height : int
-        Rows.
+        Rows, as stored.
     channels : int
         Numbers of a pixel.
 
     Raises
     ------
     InputError
-        Of the type `error`, if the head is cut off, or claims nothing, or more than `MOST_NUMBERS`.
+        Of the type `error`, if the head is cut off, or claims nothing, CMYK, or more than `MOST_NUMBERS`.
     """
     claims = {"PNG": _png_claim, "JPEG": _jpeg_claim, "TIFF": _tiff_claim, "EXR": _exr_claim}
     try:
-        width, height, channels = claims[kind_of(data)](data)
-    except (struct.error, IndexError, ValueError):
+        width, height, channels, inks = claims[kind_of(data)](data)
+    except (struct.error, IndexError, ValueError, OverflowError):
         raise error(f"{name}: is cut off within its head, or damaged; save the picture again") from None
     if width < 1 or height < 1 or channels < 1:
         raise error(f"{name}: claims {width} x {height} pixels; save the picture again")
@@ -130,6 +149,8 @@ def claimed(data: bytes, name: str, *, error: type[InputError] = InputError) -> 
             f"{name}: claims {width} x {height} pixels of {channels} channels, more than the {MOST_NUMBERS} "
             "numbers that are read; scale it down"
         )
+    if inks:
+        raise error(f"{name}: is CMYK, for printers; convert it to RGB")
     return width, height, channels
 
 
@@ -217,18 +238,18 @@ def _taken_over(stream: int, said: list[str]) -> Iterator[None]:
                     os.write(stream, line)
 
 
-def _png_claim(data: bytes) -> tuple[int, int, int]:
+def _png_claim(data: bytes) -> tuple[int, int, int, bool]:
     if data[12:16] != b"IHDR":
         raise ValueError("no IHDR")
     width, height, _, color = struct.unpack_from(">IIBB", data, 16)
-    return width, height, _CHANNELS.get(color, 4)
+    return width, height, _CHANNELS.get(color, 4), False
 
 
-def _jpeg_claim(data: bytes) -> tuple[int, int, int]:
+def _jpeg_claim(data: bytes) -> tuple[int, int, int, bool]:
     for at, marker in segments(data):
         if marker in _FRAMES:
             height, width, channels = struct.unpack_from(">HHB", data, at + 5)
-            return width, height, channels
+            return width, height, channels, channels == 4
     raise ValueError("no frame")
 
 
@@ -238,52 +259,14 @@ def _has_end(data: bytes) -> bool:
     return data.find(b"\xff\xd9", scan) >= 0
 
 
-def segments(data: bytes) -> Iterator[tuple[int, int]]:
-    """Walk over the segments of a JPEG, up to its first scan.
-
-    Parameters
-    ----------
-    data : bytes
-        Of the file.
-
-    Yields
-    ------
-    at : int
-        Where a segment begins.
-    marker : int
-        Its kind.
-    """
-    at = 2
-    while at + 4 <= len(data) and data[at] == 0xFF:
-        marker = data[at + 1]
-        if marker == 0xFF or 0xD0 <= marker <= 0xD8:
-            at += 1 if marker == 0xFF else 2
-            continue
-        yield at, marker
-        if marker == 0xDA:
-            return
-        at += 2 + max(2, int.from_bytes(data[at + 2 : at + 4], "big"))
+def _tiff_claim(data: bytes) -> tuple[int, int, int, bool]:
+    """Read the first page's size from its tags."""
+    found = {_WIDTH: 0, _HEIGHT: 0, _SAMPLES: 1, _INKS: 0}
+    found.update((tag, value) for tag, value, _ in tags(data))
+    return found[_WIDTH], found[_HEIGHT], found[_SAMPLES], found[_INKS] == _PRINTERS
 
 
-def _tiff_claim(data: bytes) -> tuple[int, int, int]:
-    """Read the first page's size from its directory of tags."""
-    order, big = "<" if data[:2] == b"II" else ">", b"+" in data[2:4]
-    (at,) = struct.unpack_from(order + ("Q" if big else "I"), data, 8 if big else 4)
-    (count,) = struct.unpack_from(order + ("Q" if big else "H"), data, at)
-    at += 8 if big else 2
-    found = {_WIDTH: 0, _HEIGHT: 0, _SAMPLES: 1}
-    for _ in range(min(count, 4096)):
-        tag, kind = struct.unpack_from(order + "HH", data, at)
-        if tag in found:
-            width = {1: "B", 3: "H", 4: "I", 16: "Q"}.get(kind)
-            if width is None:
-                raise ValueError("a size that is no whole number")
-            (found[tag],) = struct.unpack_from(order + width, data, at + (12 if big else 8))
-        at += 20 if big else 12
-    return found[_WIDTH], found[_HEIGHT], found[_SAMPLES]
-
-
-def _exr_claim(data: bytes) -> tuple[int, int, int]:
+def _exr_claim(data: bytes) -> tuple[int, int, int, bool]:
     """Read the data window and the channels of the first part."""
     at, found = 8, {}
     while data[at] != 0:
@@ -299,4 +282,4 @@ def _exr_claim(data: bytes) -> tuple[int, int, int]:
     while table[at] != 0:
         at = table.index(b"\0", at) + 17
         channels += 1
-    return right - left + 1, high - low + 1, channels
+    return right - left + 1, high - low + 1, channels, False

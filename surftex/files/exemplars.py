@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.errors import InputError
-from surftex.files.decoding import claimed, decoded, segments
+from surftex.files.decoding import claimed, decoded
+from surftex.files.heads import segments
 from surftex.files.reading import printable, read_bytes
 
 MOST_PIXELS = 2**26
@@ -16,7 +17,7 @@ MOST_PIXELS = 2**26
 MOST_LABELS = 8
 """Labels of a label map."""
 
-_GREY, _COLOR, _CMYK = 1, 3, 4
+_GREY, _COLOR = 1, 3
 _SCAN = 0xDA
 
 
@@ -31,7 +32,7 @@ def read_exemplar(path: str | Path) -> NDArray[Any]:
     Returns
     -------
     picture : (h, w) or (h, w, 3) uint8 or uint16
-        Row 0 on top; what was opaque loses its alpha.
+        Row 0 on top, turned as viewers show it; what was opaque loses its alpha.
 
     Raises
     ------
@@ -96,8 +97,6 @@ def _png(data: bytes, name: str) -> NDArray[Any]:
 
 def _jpeg(data: bytes, name: str) -> NDArray[Any]:
     bands = _check_size(data, name)
-    if bands == _CMYK:
-        raise InputError(f"{name}: is CMYK, for printers; convert it to RGB")
     if bands not in (_GREY, _COLOR):
         raise InputError(f"{name}: has {bands} bands; a picture is grey, or red, green and blue")
     (scan,) = [at for at, marker in segments(data) if marker == _SCAN] or [len(data)]

@@ -75,7 +75,7 @@ def _one_channel(picture: NDArray[np.float64], path: Path, channel: str) -> NDAr
 
 
 def read_picture(path: str | Path) -> NDArray[np.float64]:
-    """Read a picture.
+    """Read a picture, turned as viewers show it.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def read_picture(path: str | Path) -> NDArray[np.float64]:
     Raises
     ------
     RecipeError
-        If the file cannot be read as one of these.
+        If the file cannot be read as one of these, or is CMYK.
     """
     pixels = _pixels(path)
     if pixels.dtype.kind in "iu" and pixels.dtype.itemsize > 2:

@@ -221,7 +221,7 @@ def _picture(document: Document, texture: Any, folder: Path) -> NDArray[Any] | N
         )
     if kind_of(data) not in ("PNG", "JPEG"):
         return None
-    pixels = decoded(data, f"{document.where}: images[{source}]", error=MeshFileError)
+    pixels = decoded(data, f"{document.where}: images[{source}]", error=MeshFileError, as_stored=True)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, axis=2)
     return pixels[..., :3]
