@@ -284,6 +284,10 @@ def _landmarks(path: str, surface: Surface) -> Mapping[str, SurfacePoints]:
     return read_strokes(path, surface).points
 
 
+_CHORD = 0.5
+"""Longest straight part of a drawn curve, in times its width: its groove bends without facets."""
+
+
 def _curves(entry: CurvesEntry | FaceLinesEntry, surface: Surface) -> Callable[[], NDArray[Any]]:
     if isinstance(entry, FaceLinesEntry):
         from surftex.fields.face import face_lines
@@ -301,8 +305,9 @@ def _curves(entry: CurvesEntry | FaceLinesEntry, surface: Surface) -> Callable[[
         from surftex.features.growth import spline
 
         number = np.repeat(np.arange(len(strokes)), [len(stroke.points) for stroke in strokes])
-        pieces = spline(surface, _joined([stroke.points for stroke in strokes]), number)
         width = np.array([stroke.numbers.get("width_mm", entry.width) for stroke in strokes])
+        points = _joined([stroke.points for stroke in strokes])
+        pieces = spline(surface, points, number, chord_mm=_CHORD * width)
         depth = np.array([stroke.numbers.get("depth_mm", entry.depth) for stroke in strokes])
         return curve_table(surface, pieces, width_mm=width, depth_mm=depth)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surftex.arrays import frozen
-from surftex.errors import SurfaceError
+from surftex.errors import InputError, SurfaceError
 from surftex.geodesics.buckets import Buckets
 from surftex.geodesics.flooding import flood_primitives
 from surftex.geodesics.pieces import CurvePieces, barycentric_of
@@ -147,16 +147,48 @@ def nearest_curve(
     side : (n,) int8
         1 to the left of the curve, -1 to its right, 0 where there is none.
     """
-    from surftex.kernels.gather import nearest_place
+    piece, distance, along, side = nearest_curves(records, points, 1, threads=threads)
+    return piece[:, 0], distance[:, 0], along[:, 0], side[:, 0]
 
+
+def nearest_curves(
+    records: CurveRecords, points: SurfacePoints, k: int, *, threads: int | None = None
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]]:
+    """Ask for the nearest place on each of the k nearest curves.
+
+    Parameters
+    ----------
+    records : CurveRecords
+        From `flood_curves`, without `bound_mm` where k is more than 1.
+    points : SurfacePoints
+        n points.
+    k : int
+        How many, at least 1.
+    threads : int, optional
+        None means every core; the result does not depend on it.
+
+    Returns
+    -------
+    piece : (n, k) int32
+        Pieces of as many curves, the nearest first; -1 where fewer have the point within their radius.
+    distance_mm, along_mm : (n, k) float64
+        As of `nearest_curve`.
+    side : (n, k) int8
+        As of `nearest_curve`.
+    """
+    from surftex.kernels.gather import nearest_places
+
+    if k < 1:
+        raise InputError(f"k is {k}; ask for at least 1 nearest curve")
     points.check_on(records.surface)
-    count = len(points)
-    piece, distance = np.full(count, -1, np.int32), np.full(count, np.inf)
-    along, side = np.zeros(count), np.zeros(count, np.int8)
+    shape = len(points), k
+    piece, distance = np.full(shape, -1, np.int32), np.full(shape, np.inf)
+    along, side = np.zeros(shape), np.zeros(shape, np.int8)
     place = where(records, points)
     rest = (
         records.row,
         records.row_id,
+        records.source_of,
         records.limit_mm,
         records.piece_of,
         records.along_mm,
@@ -164,9 +196,9 @@ def nearest_curve(
     )
 
     def work(begin: int, end: int) -> None:
-        nearest_place(begin, end, *place, *rest, piece, distance, along, side)
+        nearest_places(begin, end, *place, *rest, piece, distance, along, side)
 
-    slices(work, count, size=POINTS_A_SLICE, threads=threads)
+    slices(work, len(points), size=POINTS_A_SLICE, threads=threads)
     return piece, distance, along, side
 
 

@@ -367,36 +367,47 @@ def sources_within(
 
 
 @kernel
-def nearest_place(
+def nearest_places(
     begin, end, face, barycentric, flat, first, cells, grid, start, entry_row, entry_least, row, row_id,
-    limit, piece_of, along_of, tangent, piece, distance, along, side,
+    source_of, limit, piece_of, along_of, tangent, piece, distance, along, side,
 ):  # fmt: skip
-    """Find the nearest place on a curve for samples [begin, end).
+    """Find the nearest place on each of the k nearest curves for samples [begin, end).
 
-    piece_of (p,) int32, along_of (p,), tangent (p, 2): of each primitive. piece (n,) int32 is given as -1, distance (n,)
-    as inf, along (n,) and side (n,) int8 as 0.
+    source_of (p,) int32: the curve of each primitive; piece_of (p,) int32, along_of (p,), tangent (p, 2): of each primitive.
+    piece (n, k) int32 is given as -1, distance (n, k) as inf, along (n, k) and side (n, k) int8 as 0.
     """
+    k = piece.shape[1]
     for i in range(begin, end):
         f = face[i]
         x = barycentric[i, 1] * flat[f, 1, 0] + barycentric[i, 2] * flat[f, 2, 0]
         y = barycentric[i, 2] * flat[f, 2, 1]
         bucket = bucket_of(f, x, y, first, cells, grid)
-        best = math.inf
-        found = -1
         for e in range(start[bucket], start[bucket + 1]):
-            if entry_least[e] >= best:
+            if entry_least[e] >= distance[i, k - 1]:
                 break
             r = entry_row[e]
             d = distance_to(row_id[r, 2], row, r, x, y)
-            if d < best and d <= limit[row_id[r, 1]]:
-                best = d
-                found = r
-        if found < 0:
-            continue
-        r = found
-        q = row_id[r, 1]
-        distance[i] = best
-        piece[i] = piece_of[q]
-        ahead, left = place_on_curve(row_id[r, 2], row, r, tangent, q, x, y)
-        along[i] = along_of[q] + ahead
-        side[i] = 1 if left else -1
+            if d >= distance[i, k - 1] or d > limit[row_id[r, 1]]:
+                continue
+            at = k - 1
+            for q in range(k - 1):
+                if piece[i, q] >= 0 and source_of[row_id[piece[i, q], 1]] == source_of[row_id[r, 1]]:
+                    at = q
+                    break
+            if d >= distance[i, at]:
+                continue
+            while at > 0 and distance[i, at - 1] > d:
+                distance[i, at] = distance[i, at - 1]
+                piece[i, at] = piece[i, at - 1]
+                at -= 1
+            distance[i, at] = d
+            piece[i, at] = r  # its row, until all are found
+        for q in range(k):
+            r = piece[i, q]
+            if r < 0:
+                break
+            primitive = row_id[r, 1]
+            piece[i, q] = piece_of[primitive]
+            ahead, left = place_on_curve(row_id[r, 2], row, r, tangent, primitive, x, y)
+            along[i, q] = along_of[primitive] + ahead
+            side[i, q] = 1 if left else -1

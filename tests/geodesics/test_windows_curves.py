@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from surftex.errors import SurfaceError
-from surftex.geodesics.curves import flood_curves, nearest_curve
+from surftex.errors import InputError, SurfaceError
+from surftex.geodesics.curves import flood_curves, nearest_curve, nearest_curves
 from surftex.geodesics.pieces import CurvePieces
 from surftex.geodesics.tracing import trace
 from surftex.geodesics.windows import flood_points, nearest
@@ -91,6 +91,27 @@ def test_numbering_and_threads_leave_distances_alone():
     halves = [pieces.selected(np.arange(0, 150)), pieces.selected(np.arange(150, 300))]
     apart = np.minimum(*(nearest_curve(flood_curves(shape, half, 4.0), targets)[1] for half in halves))
     assert np.array_equal(apart, one[1])
+
+
+def test_the_nearest_curves_are_those_of_each_curve_alone():
+    shape = rough()
+    pieces = trace(shape, random_points(shape, 12, 5), np.linspace(0, 6, 12), 30.0).pieces
+    targets = random_points(shape, 3000, 6)
+    piece, distance, along, side = nearest_curves(flood_curves(shape, pieces, 12.0), targets, 3)
+    alone = [nearest_curve(flood_curves(shape, pieces.selected([c]), 12.0), targets) for c in range(12)]
+    order = np.argsort([found[1] for found in alone], axis=0, kind="stable")[:3].T
+    each = np.arange(len(targets))
+    for rank in range(3):
+        truth = [np.array([found[i] for found in alone])[order[:, rank], each] for i in range(4)]
+        assert np.array_equal(distance[:, rank], truth[1])
+        reached = np.isfinite(truth[1])
+        assert 0.05 < reached.mean() < 1
+        assert np.array_equal(pieces.curve[piece[reached, rank]], order[reached, rank])
+        np.testing.assert_allclose(along[reached, rank], truth[2][reached], atol=1e-9)
+        assert np.array_equal(side[:, rank], truth[3])
+        assert (piece[~reached, rank] == -1).all()
+    with pytest.raises(InputError, match="k is 0"):
+        nearest_curves(flood_curves(shape, pieces, 1.0), targets, 0)
 
 
 def test_a_curve_without_length_is_a_point():

@@ -79,7 +79,7 @@ def test_grooves_have_no_step_where_two_cells_meet():
     none, ones = np.zeros(7, np.float32), np.ones(7, np.float32)
     place = Place(
         np.arange(7, dtype=np.int32), 1.2 * ones, -0.1 * ones, none, 2 * ones, level[::-1], np.float32(0.6), level, level,
-        None, 0.3 * ones, none, none,
+        (), 0.3 * ones, none, none,
     )  # fmt: skip
     height = layers(Cells.preset("milled"), place, none)["height_mm"]
     assert height.min() > 0

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
 
@@ -16,12 +16,13 @@ from surftex.features.curves import curve_pieces, drawn
 from surftex.fields.noise import Noise
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
-from surftex.geodesics.curves import flood_curves, nearest_curve
+from surftex.geodesics.curves import flood_curves
 from surftex.geodesics.records import Records
 from surftex.geodesics.windows import flood_points, within
 from surftex.materials.cells.model import Cells
-from surftex.materials.cells.relief import Place, WrinklePlace, layers
+from surftex.materials.cells.relief import Place, layers
 from surftex.materials.cells.skeleton import no_wrinkles
+from surftex.materials.grooves import Line, lines_at
 from surftex.materials.layers import Layers
 from surftex.randomness import stream
 from surftex.surface.points import Samples, SurfacePoints
@@ -181,12 +182,16 @@ class CellsPattern:
             start, cell, vector = np.zeros(count + 1, np.int64), np.zeros(0, np.int32), np.zeros((0, 2))
         else:
             start, cell, _, vector = within(self.records, points, threads=1)
-        wrinkle = None if self.wrinkles is None else self._nearest_wrinkle(points)
+        wrinkles: tuple[Line, ...] = ()
+        if self.wrinkles is not None:
+            wrinkles = lines_at(
+                self.wrinkles, points, self.features["wrinkle"], partial(wrinkle_left, self.cells)
+            )
         lone = ~self._inhabited[self.surface.component[points.face]]
         place = located(
             self.cells, self.planes, self.outlines, start, cell, vector, noise, count, self._numbers, lone
         )
-        return place(wrinkle)
+        return place(wrinkles)
 
     def shape(self, place: Place, footprint_mm: NDArray[np.float32]) -> Layers:
         """Turn places into channels.
@@ -256,15 +261,6 @@ class CellsPattern:
     @cached_property
     def _numbers(self) -> NDArray[np.float32]:
         return cell_numbers(self.seed, len(self.planes))
-
-    def _nearest_wrinkle(self, points: SurfacePoints) -> WrinklePlace:
-        """Find the nearest wrinkle, and how much of it is left there."""
-        piece, distance, along, _ = nearest_curve(self.wrinkles, points, threads=1)
-        table, own = self.features["wrinkle"], np.maximum(piece, 0)
-        left = np.where(piece >= 0, wrinkle_left(self.cells, along, table["length_mm"][own]), 0)
-        width, depth = drawn(table, "width_mm")[own], drawn(table, "depth_mm")[own]
-        measured = (each.astype(np.float32) for each in (distance, left, width, depth))
-        return WrinklePlace(*measured)
 
 
 def outline(cells: Cells, planes: CellPlanes, seed: int, threads: int | None) -> Outlines:
@@ -391,7 +387,7 @@ def located(
     Returns
     -------
     place : callable
-        ``place(wrinkle)``, told a `WrinklePlace` or None, gives the `Place` of the samples.
+        ``place(wrinkles)``, told the `Line` of each, gives the `Place` of the samples.
     """
     from surftex.kernels.cell_relief import cells_at
 
@@ -414,9 +410,9 @@ def located(
     none = np.zeros(count, np.float32)
     drifting = cells.mottle + cells.wear > 0
 
-    def place(wrinkle: WrinklePlace | None) -> Place:
+    def place(wrinkles: tuple[Line, ...]) -> Place:
         return Place(
-            owner, rho, border, swelling, scale, np.append(rise, mean)[owner], mean, own[:, 0], own[:, 1], wrinkle,
+            owner, rho, border, swelling, scale, np.append(rise, mean)[owner], mean, own[:, 0], own[:, 1], wrinkles,
             noise("shallows", 2.5 * size, 2) if cells.shallows > 0 else none,
             noise("grain", cells.grain_size, 2) if cells.grain_height > 0 else none,
             noise("mottle", cells.mottle_size, 2) if drifting else none,

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.fields.profiles import smoothstep, valley, visible
+from surftex.fields.profiles import smoothstep, visible
 from surftex.materials.cells.model import Cells
+from surftex.materials.grooves import Line, grooves
 from surftex.materials.layers import Layers
 
 Float = NDArray[np.float32]
@@ -34,8 +35,8 @@ class Place:
         Of all cells.
     level, tone : (n,) float32
         Random numbers of the cell, 0 to 1.
-    wrinkle : WrinklePlace or None
-        Where the nearest wrinkle is.
+    wrinkles : tuple of Line
+        The samples near some, and what they find of them.
     shallow, grain, mottle : (n,) float32
         Noise, about -1 to 1.
     """
@@ -49,32 +50,10 @@ class Place:
     mean_rise: np.float32
     level: Float
     tone: Float
-    wrinkle: "WrinklePlace | None"
+    wrinkles: tuple[Line, ...]
     shallow: Float
     grain: Float
     mottle: Float
-
-
-@dataclass(frozen=True, eq=False)
-class WrinklePlace:
-    """Where the nearest wrinkle of n samples is.
-
-    Attributes
-    ----------
-    distance_mm : (n,) float32
-        To its line; inf where none is near.
-    share : (n,) float32
-        How much of it is left there, 0 to 1.
-    width_mm : float or (n,) float32
-        From the line to its rim; where 0, width and depth are the material's.
-    depth_mm : float or (n,) float32
-        Below the grain.
-    """
-
-    distance_mm: Float
-    share: Float
-    width_mm: Float | float
-    depth_mm: Float | float
 
 
 def side_profile(rho: Float, taper: float, shoulder: float, groove: float) -> Float:
@@ -138,12 +117,8 @@ def layers(cells: Cells, place: Place, footprint_mm: Float) -> Layers:
     height = height + cells.blob_height * rise * own * blobs
     furrow = np.clip(1 - side, 0, 1) * (1 - floor)
 
-    wrinkle = np.zeros_like(side)
-    if place.wrinkle is not None:
-        near = place.wrinkle
-        width = np.where(near.width_mm > 0, near.width_mm, cells.wrinkle_width)
-        wrinkle = near.share * valley(near.distance_mm, width, footprint_mm, dimension=1)
-        height = height - np.where(near.width_mm > 0, near.depth_mm, cells.wrinkle_depth) * wrinkle
+    wrinkle, groove = grooves(place.wrinkles, cells.wrinkle_width, cells.wrinkle_depth, footprint_mm)
+    height = height - groove
     height = height + cells.grain_height * place.grain * (1 - 0.6 * furrow)
     return Layers(
         {

@@ -19,7 +19,7 @@ from surftex.fields.noise import Noise
 from surftex.kernels.pool import PartTick, Tick, slices
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.pattern import CHANNELS, cell_numbers, located, outline, wrinkle_left
-from surftex.materials.cells.relief import WrinklePlace, layers
+from surftex.materials.cells.relief import layers
 from surftex.materials.cells.skeleton import (
     CELL,
     checked_ratio,
@@ -31,6 +31,7 @@ from surftex.materials.cells.skeleton import (
 )
 from surftex.materials.cells.tile_fields import tile_direction, tile_push
 from surftex.materials.cells.tile_wrinkles import nearest_wrinkle, tile_wrinkles
+from surftex.materials.grooves import Line
 from surftex.materials.layers import Layers
 from surftex.randomness import stream
 from surftex.surface.shapes import plane
@@ -95,19 +96,20 @@ class CellsTile:
 
         tree = KDTree(place, boxsize=self.side_mm)
         start, cell, vector = self._near(place, tree)
-        wrinkle = None
+        wrinkles: tuple[Line, ...] = ()
         table = self.features["wrinkle"]
         if len(table):
             apart, along, length = nearest_wrinkle(
                 table, self.side_mm, place, tree, 1.5 * self.cells.wrinkle_width
             )
-            share = np.where(np.isfinite(apart), wrinkle_left(self.cells, along, length), 0)
-            wrinkle = WrinklePlace(apart.astype(np.float32), share.astype(np.float32), 0.0, 0.0)
+            at = np.flatnonzero(np.isfinite(apart))
+            share, none = wrinkle_left(self.cells, along[at], length[at]), np.zeros(len(at), np.float32)
+            wrinkles = (Line(at, apart[at].astype(np.float32), share, none, none > 0, none, none),)
         found = located(
             self.cells, self.planes, self.outlines, start, cell, vector, noise, count,
             cell_numbers(self.seed, len(self.planes)), np.zeros(count, bool),
         )  # fmt: skip
-        return layers(self.cells, found(wrinkle), np.full(count, footprint_mm, np.float32))
+        return layers(self.cells, found(wrinkles), np.full(count, footprint_mm, np.float32))
 
     def page(
         self, resolution: int, *, threads: int | None = None, tick: Tick | None = None

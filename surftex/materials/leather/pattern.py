@@ -14,9 +14,10 @@ from surftex.features.curves import curve_pieces, drawn
 from surftex.fields.noise import Noise, several
 from surftex.fields.profiles import smoothstep
 from surftex.geodesics.buckets import Buckets
-from surftex.geodesics.curves import flood_curves, nearest_curve
+from surftex.geodesics.curves import flood_curves
 from surftex.geodesics.records import Records
 from surftex.geodesics.windows import flood_points, nearest
+from surftex.materials.grooves import Line, lines_at
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Cells
 from surftex.materials.leather.model import Leather
@@ -214,20 +215,14 @@ class LeatherPattern:
         plates = self.cells.at(leather, points, (wave * noise["wave a"], wave * noise["wave b"]))
         cell = np.maximum(plates.own, 0)
         numbers = self._cell_numbers
-        crack, wrinkle = self._nearest_curve("crack", points), self._nearest_curve("wrinkle", points)
         crown_mm, crown_scale = self._nearest_crown(points)
         return Skeleton(
             plates=plates,
             cell_mm=self.cells.size_mm[cell].astype(np.float32),
             level=numbers[cell, 0],
             tone=numbers[cell, 1],
-            crack_mm=crack[0],
-            crack_share=crack[1],
-            wrinkle_mm=wrinkle[0],
-            wrinkle_share=wrinkle[1],
-            wrinkle_side=wrinkle[2],
-            wrinkle_width_mm=wrinkle[3],
-            wrinkle_depth_mm=wrinkle[4],
+            cracks=self._lines("crack", points),
+            wrinkles=self._lines("wrinkle", points),
             pocket_mm=self._nearest_point("pocket", points),
             pore_mm=self._nearest_point("pore", points),
             crown_mm=crown_mm,
@@ -332,31 +327,22 @@ class LeatherPattern:
             values |= zip(shown, several(tuple(shown.values()), position, footprint_mm), strict=True)
         return values
 
-    def _nearest_curve(self, kind: str, points: SurfacePoints) -> tuple[Any, Any, Any, Any, Any]:
-        """Distance, how much of the curve is left there, its side, and what it was drawn with; None where there is none."""
+    def _lines(self, kind: str, points: SurfacePoints) -> tuple[Line, ...]:
+        """Find the nearest lines of a kind; none where there are none."""
         if kind not in self.curves:
-            return None, None, None, None, None
-        piece, distance, along, side = nearest_curve(self.curves[kind], points, threads=1)
-        near = np.flatnonzero(piece >= 0)
-        table, own, along = self.features[kind], piece[near], along[near]
-        length = table["length_mm"][own]
-        if kind == "crack":
-            left = 2 * (1 - along / length) if self.leather.crack_taper else np.ones(len(near))
-        elif self.leather.wrinkle_taper > 0:
-            left = np.minimum(along, length - along) / np.minimum(self.leather.wrinkle_taper, length / 2)
-        else:
-            left = np.ones(len(near))
+            return ()
+        taper = self.leather.crack_taper if kind == "crack" else self.leather.wrinkle_taper
 
-        def spread(values: NDArray) -> NDArray[np.float32]:
-            whole = np.zeros(len(points), np.float32)
-            whole[near] = values
-            return whole
+        def share(along: NDArray[np.float64], length: NDArray[np.float64]) -> NDArray[np.float32]:
+            if kind == "crack":
+                left = 2 * (1 - along / length) if taper else np.ones(len(along))
+            elif taper > 0:
+                left = np.minimum(along, length - along) / np.minimum(taper, length / 2)
+            else:
+                left = np.ones(len(along))
+            return smoothstep(0.0, 1.0, left.astype(np.float32))
 
-        width = depth = None
-        if "width_mm" in (table.dtype.names or ()):
-            width, depth = (spread(table[name][own]) for name in ("width_mm", "depth_mm"))
-        share = spread(smoothstep(0.0, 1.0, left.astype(np.float32)))
-        return distance.astype(np.float32), share, side.astype(np.float32), width, depth
+        return lines_at(self.curves[kind], points, self.features[kind], share)
 
     def _nearest_point(self, kind: str, points: SurfacePoints) -> NDArray[np.float32] | None:
         if kind not in self.points:

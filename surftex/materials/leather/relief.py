@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.fields.profiles import dome, smoothstep, valley, visible
+from surftex.materials.grooves import Line, grooves, own_or
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Plates
 from surftex.materials.leather.model import Leather
@@ -22,7 +23,7 @@ _FOOT_DYE = 0.55
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Distances of n samples to the nearest element of each kind; None where a leather has none of the kind.
+    """Distances of n samples to the nearest elements of each kind; None where a leather has none of the kind.
 
     Attributes
     ----------
@@ -32,12 +33,8 @@ class Skeleton:
         Size of the sample's cell.
     level, tone : (n,) float32
         Random numbers of the cell, 0 to 1.
-    crack_mm, crack_share : (n,) float32
-        To the nearest crack, and how much of it is left there.
-    wrinkle_mm, wrinkle_share, wrinkle_side : (n,) float32
-        Likewise; the side is +1 or -1.
-    wrinkle_width_mm, wrinkle_depth_mm : (n,) float32
-        Those the nearest wrinkle was drawn with; 0 where it takes the leather's.
+    cracks, wrinkles : tuple of Line
+        The samples near some, and what they find of them.
     pocket_mm, pore_mm, crown_mm, crown_scale : (n,) float32
         Distances; and the size of the nearest crown, 1 on average.
     grain, mottle : (n,) float32
@@ -48,13 +45,8 @@ class Skeleton:
     cell_mm: Float
     level: Float
     tone: Float
-    crack_mm: Float | None
-    crack_share: Float | None
-    wrinkle_mm: Float | None
-    wrinkle_share: Float | None
-    wrinkle_side: Float | None
-    wrinkle_width_mm: Float | None
-    wrinkle_depth_mm: Float | None
+    cracks: tuple[Line, ...]
+    wrinkles: tuple[Line, ...]
     pocket_mm: Float | None
     pore_mm: Float | None
     crown_mm: Float | None
@@ -93,29 +85,20 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
     furrow = valley(
         plates.border_mm, leather.sulcus_width * (0.5 + 0.5 * share), footprint_mm, dimension=1
     ) * share  # fmt: skip
-    if skeleton.crack_mm is not None and skeleton.crack_share is not None:
-        width = leather.sulcus_width * skeleton.crack_share
-        crack = valley(skeleton.crack_mm, width, footprint_mm, dimension=1) * skeleton.crack_share
-        furrow = np.maximum(furrow, crack)
+    for line in skeleton.cracks:
+        width = leather.sulcus_width * line.share
+        crack = valley(line.distance_mm, width, footprint_mm[line.at], dimension=1) * line.share
+        furrow[line.at] = np.maximum(furrow[line.at], crack)
     relief = -leather.sulcus_depth * furrow
 
     wrinkle: Part = np.float32(0)
-    left, side = skeleton.wrinkle_share, skeleton.wrinkle_side
-    if skeleton.wrinkle_mm is not None and left is not None and side is not None:
-        width: Float | float = leather.wrinkle_width
-        depth: Float | float = leather.wrinkle_depth
-        if skeleton.wrinkle_width_mm is not None and skeleton.wrinkle_depth_mm is not None:
-            own = skeleton.wrinkle_width_mm > 0
-            width = np.where(own, skeleton.wrinkle_width_mm, width).astype(np.float32)
-            depth = np.where(own, skeleton.wrinkle_depth_mm, depth).astype(np.float32)
-        wrinkle = left * valley(skeleton.wrinkle_mm, width, footprint_mm, dimension=1)
-        relief = relief - depth * wrinkle
+    if skeleton.wrinkles:
+        wrinkle, groove = grooves(
+            skeleton.wrinkles, leather.wrinkle_width, leather.wrinkle_depth, footprint_mm
+        )
+        relief = relief - groove
         if leather.wrinkle_fold:
-            swell = valley(np.abs(skeleton.wrinkle_mm - width), 2 * width, footprint_mm, dimension=1)
-            passed = skeleton.wrinkle_mm / np.maximum(width, np.float32(1e-9))
-            near = smoothstep(0, 1, passed.astype(np.float32))
-            lift = leather.wrinkle_fold * depth * left
-            relief = relief + lift * swell * near * (side > 0)
+            relief = relief + _folds(leather, skeleton.wrinkles, footprint_mm)
     if skeleton.pocket_mm is not None:
         relief = relief - leather.pocket_depth * valley(
             skeleton.pocket_mm, leather.pocket_width, footprint_mm, dimension=2
@@ -148,6 +131,21 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
             **_finish(leather, skeleton, crest, furrow, wrinkle, pore, crown, pit),
         }
     )
+
+
+def _folds(leather: Leather, wrinkles: tuple[Line, ...], footprint_mm: Float) -> Float:
+    """Rise of the skin on the left of each wrinkle, where it is pushed together."""
+    rise = np.zeros(len(footprint_mm), np.float32)
+    for line in wrinkles:
+        width, depth = own_or(line, leather.wrinkle_width, leather.wrinkle_depth)
+        swell = valley(
+            np.abs(line.distance_mm - width), 2 * width, footprint_mm[line.at], dimension=1
+        )  # fmt: skip
+        thick = np.maximum(width, np.float32(1e-9)).astype(np.float32)
+        near = smoothstep(0, 1, line.distance_mm / thick) * smoothstep(0, 1, line.end_mm / (2 * thick))
+        lift = leather.wrinkle_fold * depth * line.share * swell * near * line.left
+        rise[line.at] = np.maximum(rise[line.at], lift)
+    return rise
 
 
 def _finish(
