@@ -90,6 +90,8 @@ def told(error: Mapping[str, Any]) -> str:
         With the value, where the reason does not show it.
     """
     text = str(error["msg"]).removeprefix("Value error, ")
+    if str(error["input"]) == "nan" and error["type"].startswith(("less_than", "greater_than")):
+        text = "Input should be a finite number"
     if text.startswith("Input "):
         return f"{_shown(error['input'])}: {text.removeprefix('Input ')}"
     return text

@@ -66,7 +66,10 @@ PositiveLength = Annotated[float, BeforeValidator(_length), Field(gt=0, le=1e7, 
 LengthField = Annotated[PositiveLength | str, BeforeValidator(_number_or_expression)]
 """Millimetres, or an expression over the recipe's fields that gives millimetres."""
 
-NumberField = Annotated[float | str, BeforeValidator(_number_or_expression)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+"""Any number."""
+
+NumberField = Annotated[Finite | str, BeforeValidator(_number_or_expression)]
 """A number, a length with a unit, or an expression over the recipe's fields."""
 
 Share = Annotated[float, Field(ge=0, le=1)]

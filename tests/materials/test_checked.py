@@ -54,6 +54,17 @@ def test_every_material_does(kind):
             make()
 
 
+@pytest.mark.parametrize("kind", MATERIALS)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, np.float32(np.nan)])
+def test_what_is_no_finite_number_is_refused_by_name(kind, value):
+    model = material_class(kind)
+    needed = {"model": "a"} if kind == "composite" else {}
+    for key in model.model_fields:
+        with pytest.raises(sx.RecipeError, match=rf"^{kind}\.{key}: ") as raised:
+            model(**{key: value}, **{name: text for name, text in needed.items() if name != key})
+        assert not np.isnan(value) or "than" not in str(raised.value)
+
+
 def test_of_many_mistakes_the_first_are_told():
     with pytest.raises(
         sx.RecipeError, match=r"leather\.k0: .*leather\.k7: unknown key.*; and 2 more mistakes$"

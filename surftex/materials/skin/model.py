@@ -12,6 +12,7 @@ from surftex.materials.parameters import (
     Amount,
     AmountRange,
     Color,
+    Finite,
     Length,
     LengthDraw,
     LengthRange,
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from surftex.materials.skin.pattern import SkinPattern
 
 Count = int
-Mask = float | str
+Mask = Finite | str
 
 
 def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
