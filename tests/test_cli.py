@@ -264,7 +264,10 @@ def test_inspect_says_what_a_mesh_is_and_what_a_bake_costs(tmp_path):
     text = surftex("inspect", "tube.obj", "--units", "mm", folder=tmp_path).stdout
     assert "borders: 2" in text
     assert "4096 x 4096" in text
-    assert "is the unit right?" in surftex("inspect", "tube.obj", "--units", "m", folder=tmp_path).stdout
+    assert (
+        "scale a mesh whose unit is wrong"
+        in surftex("inspect", "tube.obj", "--units", "m", folder=tmp_path).stdout
+    )
 
 
 def test_inspect_says_what_a_bake_makes_of_own_uvs(tmp_path, capsys):

@@ -179,6 +179,7 @@ def _bake(
     from surftex.bake.fields import make_fields
     from surftex.bake.growing import ground_key, grown_on
     from surftex.bake.growth_facts import grown_cells
+    from surftex.bake.limits import foresee, refuse_too_many
     from surftex.bake.looks import clamped_warnings
     from surftex.bake.pages import bake_pages, chosen_maps, equalise_pages
     from surftex.bake.placed import refuse_uncovered, start_from
@@ -207,6 +208,8 @@ def _bake(
     with Unwrapping(surface, settings, stages, threads, remember=remember) as unwrapping:
         with stages.stage("place") as tick:
             known = given if key is None else remembered_features(key)
+            if given is None and known is not None:
+                refuse_too_many(recipe, foresee(recipe, surface, fields))
             options: Any = {"features": known, "begun": begun, "threads": threads}
             if growth is None:
                 stack = place_stack(recipe, surface, fields, tick=tick, **options)
@@ -298,13 +301,14 @@ def _surface(subject: Any, recipe: Recipe) -> Surface:
 
 
 def _features(features: Any, most: int) -> Any:
+    from surftex.bake.limits import ABOUT
     from surftex.bake.stack import counted
 
     if isinstance(features, (str, os.PathLike)):
         from surftex.files.features import load_features
 
         features = load_features(Path(features))
-    if features is not None and (count := counted(features)) > most:
+    if features is not None and (count := counted(features)) > ABOUT * most:
         raise InputError(
             f"{count:,} features are given, more than the {most:,} that are allowed; raise --max-features"
         )

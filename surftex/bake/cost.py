@@ -3,13 +3,9 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from surftex.bake.locating import located
-from surftex.bake.stack import layer_seed
+from surftex.bake.limits import Foreseen, foresee, refuse_too_many
 from surftex.errors import SurftexError
-from surftex.features.poisson import expected_sites
 from surftex.features.relax import samples_per_site
-from surftex.fields.fieldset import FieldSet
-from surftex.fields.sized import sized
 from surftex.kernels.pool import thread_count
 from surftex.paged import in_file
 from surftex.recipe.model import Recipe
@@ -18,23 +14,13 @@ from surftex.surface.surface import Surface
 COVERAGE = 0.62
 """Share of a page that charts cover, as unwraps come out."""
 
-_SIZES = {
-    "leather": ("cell", "cell_size"),
-    "cells": ("grown cell", "cell_size"),
-    "composite": ("pixel", "pixel_size"),
-}
-"""What lies as densely as its size allows, by material, and the parameter that tells its size."""
-
-_OVER_DISKS = {"cell": 1.0, "grown cell": 2.6, "pixel": 1.43}
-"""How many there are for each site of a full Poisson-disk set of that size: measured, and by definition for pixels."""
-
 _BEYOND = 1e15
 
 _CPU_S_PER = {
     "face": 6.0e-5,
-    "cell": 1.2e-4,
-    "grown cell": 3.6e-4,
-    "pixel": 1.7e-4,
+    "leather.cell": 1.2e-4,
+    "cells.cell": 3.6e-4,
+    "composite.pixel": 1.7e-4,
     "sample": 1.5e-6,
     "texel": 7.0e-7,
 }
@@ -42,9 +28,9 @@ _START_S = 2.0
 _BYTES_PER = {
     "face": 1500,
     "face among cells": 4200,
-    "cell": 4400,
-    "grown cell": 4000,
-    "pixel": 700,
+    "leather.cell": 4400,
+    "cells.cell": 4000,
+    "composite.pixel": 700,
     "texel": 69,
     "paged texel": 8,
     "tile texel": 66,
@@ -69,12 +55,13 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     Returns
     -------
     cost : dict
-        ``material``; ``cells`` (grown ones and pixels too; ``placed`` tells them apart); ``made_of``: what the lowest layer
-        is made of first; ``finest``: ``kind`` and ``mm`` of the finest of the material; ``suggested_resolution``, at which
-        that is two texels wide (None where no usual page would do), and ``suggested_texels_per_mm``; ``max_features``;
-        ``threads``; and ``pages``: for each ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``),
-        ``seconds`` of wall time, ``memory_mb``, and ``disk_mb`` of pages that lie in temporary files; ``warnings``: where
-        its cells fit neither the mesh nor the usual page. What is not known before a bake is None.
+        ``material``; ``cells`` (and pixels); ``features`` of all kinds, and ``placed``: how many of each; ``refused``: why a
+        bake would refuse that many, None where it would not; ``made_of``: what the lowest layer is made of first; ``finest``:
+        ``kind`` and ``mm`` of the finest of the material; ``suggested_resolution``, at which that is two texels wide (None
+        where no usual page would do), and ``suggested_texels_per_mm``; ``max_features``; ``threads``; and ``pages``: for each
+        ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``), ``seconds`` of wall time, ``memory_mb``, and
+        ``disk_mb`` of pages that lie in temporary files; ``warnings``: where its cells fit neither the mesh nor the usual
+        page. What is not known before a bake is None.
 
     Raises
     ------
@@ -85,7 +72,8 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     from surftex.recipe.read import recipe_for
 
     recipe = recipe or recipe_for(material)
-    counts, samples = _placed(recipe, _grounds(recipe, surface))
+    foreseen = _foreseen(recipe, surface)
+    placed, work = _placed(foreseen), _work(recipe, foreseen)
     known = getattr(recipe.layer[0].material, "wavelengths_mm", dict)()
     made_of, size_mm = next(((kind, size) for kind, size in known.items() if size > 0), (None, None))
     finest = finest_kind(recipe)
@@ -95,8 +83,8 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
             "resolution": side,
             "texels_per_mm": round(_density(surface, side), 4),
             "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
-            "seconds": round(_START_S + _cpu_s(faces, counts, samples, side) / (0.8 * threads + 0.2), 1),
-            "memory_mb": _memory_mb(faces, counts, side),
+            "seconds": round(_START_S + _cpu_s(faces, work, side) / (0.8 * threads + 0.2), 1),
+            "memory_mb": _memory_mb(faces, work, side),
             "disk_mb": _disk_mb(side),
         }
         for side in (1024, 2048, 4096, 8192)
@@ -105,8 +93,10 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     warnings = size_warnings(recipe, surface.longest_side_mm, _density(surface, side), side)
     return {
         "material": material,
-        "cells": sum(counts.values()),
-        "placed": counts,
+        "cells": _cells(placed),
+        "features": sum(placed.values()),
+        "placed": placed,
+        "refused": _refusal(recipe, foreseen),
         "made_of": made_of,
         "finest": None if finest is None else {"kind": finest[0], "mm": round(finest[1], 4)},
         "suggested_resolution": None if finest is None else side_for(finest[1], _density(surface, 1)),
@@ -118,51 +108,44 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     }
 
 
-def _grounds(recipe: Recipe, surface: Surface) -> list[tuple[Surface, FieldSet] | None]:
-    """Find what each layer lies on, with the fields there; None where its mask covers nothing."""
-    from surftex.bake.covered import fields_on
+def _foreseen(recipe: Recipe, surface: Surface) -> list[Foreseen]:
     from surftex.bake.fields import make_fields
-    from surftex.bake.stack import layer_cover
-    from surftex.surface.bodies import Bodies
 
-    fields = make_fields(recipe, surface)
-    grounds: list[tuple[Surface, FieldSet] | None] = []
-    for i in range(len(recipe.layer)):
-        covered = layer_cover(recipe, i, surface, fields)
-        if covered.all():
-            grounds.append((surface, fields))
-        elif covered.any():
-            bodies = Bodies.of(surface, covered)
-            grounds.append((bodies.surface, fields_on(bodies, fields)))
-        else:
-            grounds.append(None)
-    return grounds
+    return foresee(recipe, surface, make_fields(recipe, surface))
 
 
-def _placed(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> tuple[dict[str, int], float]:
-    """Estimate how many cells, grown cells and pixels lie on the grounds, and samples to even cells out by.
+def _refusal(recipe: Recipe, foreseen: list[Foreseen]) -> str | None:
+    """Say why a bake would be refused for the number of its features; None where it would not."""
+    try:
+        refuse_too_many(recipe, foreseen)
+    except SurftexError as problem:
+        return str(problem)
+    return None
 
-    Other features cost little beside them.
-    """
+
+def _placed(foreseen: list[Foreseen]) -> dict[str, int]:
+    """Count the features of all layers by kind."""
     counts: dict[str, int] = {}
-    samples = 0.0
-    for i, (layer, found) in enumerate(zip(recipe.layer, grounds, strict=True)):
-        if layer.kind not in _SIZES or found is None:
-            continue
-        surface, fields = found
-        kind, key = _SIZES[layer.kind]
-        with located(recipe, "layer", i, label=_label(recipe, i)):
-            size = sized(fields, getattr(layer.material, key), f"{layer.kind}.{key}")
-            ratio = getattr(layer.material, "cell_ratio", 1.0) if kind == "cell" else 1.0
-            ratio = sized(fields, ratio, f"{layer.kind}.cell_ratio", least=1.0)
-            count = _OVER_DISKS[kind] * expected_sites(surface, size, ratio)
-        counts[kind] = counts.get(kind, 0) + max(1, round(min(count, _BEYOND)))
-        samples += min(count, _BEYOND) * samples_per_site(getattr(layer.material, "regularity", 0))
-    return counts, samples
+    for each in (each for layer in foreseen for each in layer.expected or ()):
+        counts[each.kind] = counts.get(each.kind, 0) + round(min(each.count, _BEYOND))
+    return {kind: count for kind, count in counts.items() if count}
 
 
-def _label(recipe: Recipe, index: int) -> str:
-    return "layer" if len(recipe.layer) == 1 else f"layer[{index + 1}]"
+def _cells(placed: dict[str, int]) -> int:
+    return placed.get("cell", 0) + placed.get("pixel", 0)
+
+
+def _work(recipe: Recipe, foreseen: list[Foreseen]) -> dict[str, float]:
+    """Count what costs time and memory beside faces and texels: features by material and kind, samples to even cells out by."""
+    work: dict[str, float] = {}
+    for layer, told in zip(recipe.layer, foreseen, strict=True):
+        for each in told.expected or ():
+            unit, count = f"{layer.kind}.{each.kind}", min(each.count, _BEYOND)
+            work[unit] = work.get(unit, 0.0) + count
+            if unit == "leather.cell":
+                samples = count * samples_per_site(getattr(layer.material, "regularity", 0))
+                work["sample"] = work.get("sample", 0.0) + samples
+    return work
 
 
 def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
@@ -176,8 +159,8 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
     Yields
     ------
     cost : dict
-        ``faces``, ``cells``, ``tiles``, ``seconds`` of CPU time, ``memory_mb``; or, where the mesh cannot be read, or
-        there would be too many features or tiles, ``problem`` and ``exit_code``.
+        ``faces``, ``cells``, ``features``, ``tiles``, ``seconds`` of CPU time, ``memory_mb``; or, where the mesh cannot be
+        read, or there would be too many features or tiles, ``problem`` and ``exit_code``.
     """
     from surftex.bake.loading import load
 
@@ -198,19 +181,19 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             if isinstance(found, SurftexError):
                 raise found
             tiles = _foreseen_tiles(recipe, found)
-            grounds = _grounds(recipe, found)
-            _refuse_too_many(recipe, grounds)
-            counts, samples = _placed(recipe, grounds)
+            foreseen = _foreseen(recipe, found)
+            refuse_too_many(recipe, foreseen)
         except SurftexError as problem:
             yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
-        faces = len(found.faces)
+        faces, placed, work = len(found.faces), _placed(foreseen), _work(recipe, foreseen)
         yield {
             "faces": faces,
-            "cells": sum(counts.values()),
+            "cells": _cells(placed),
+            "features": sum(placed.values()),
             "tiles": tiles,
-            "seconds": round(_START_S + _cpu_s(faces, counts, samples, side, tiles), 1),
-            "memory_mb": _memory_mb(faces, counts, side, tiles),
+            "seconds": round(_START_S + _cpu_s(faces, work, side, tiles), 1),
+            "memory_mb": _memory_mb(faces, work, side, tiles),
         }
 
 
@@ -225,23 +208,13 @@ def _foreseen_tiles(recipe: Recipe, surface: Surface) -> int:
     return len(Atlas.of(surface, surface.corner_uv).tiles) if own and surface.corner_uv is not None else 1
 
 
-def _refuse_too_many(recipe: Recipe, grounds: list[tuple[Surface, FieldSet] | None]) -> None:
-    """Refuse what a layer by itself would refuse for the number of its features."""
-    for i, (layer, found) in enumerate(zip(recipe.layer, grounds, strict=True)):
-        refuse = getattr(layer.material, "refuse_too_many", None)
-        if refuse is not None and found is not None:
-            with located(recipe, "layer", i, label=_label(recipe, i)):
-                seed = layer_seed(recipe.seed, i)
-                refuse(found[0], seed, fields=found[1], max_features=recipe.bake.max_features)
-
-
 def _density(surface: Surface, side: int) -> float:
     return side * (COVERAGE / surface.area_mm2) ** 0.5
 
 
-def _cpu_s(faces: int, counts: dict[str, int], samples: float, side: int, tiles: int = 1) -> float:
-    work = {"face": faces, **counts, "sample": samples, "texel": side * side * tiles}
-    return sum(_CPU_S_PER[key] * count for key, count in work.items())
+def _cpu_s(faces: int, work: dict[str, float], side: int, tiles: int = 1) -> float:
+    whole = {"face": faces, **work, "texel": side * side * tiles}
+    return sum(_CPU_S_PER.get(unit, 0.0) * count for unit, count in whole.items())
 
 
 def _disk_mb(side: int) -> int:
@@ -250,15 +223,15 @@ def _disk_mb(side: int) -> int:
     return round(bytes_per * side * side / 1e6) if in_file((side, side)) else 0
 
 
-def _memory_mb(faces: int, counts: dict[str, int], side: int, tiles: int = 1) -> int:
+def _memory_mb(faces: int, work: dict[str, float], side: int, tiles: int = 1) -> int:
     from surftex.bake.pages import TILE_TEXELS
 
     texels = side * side
-    work = {
+    whole = {
         "face": faces,
-        "face among cells": faces if counts.get("cell") else 0,
-        **counts,
+        "face among cells": faces if work.get("leather.cell") else 0,
+        **work,
         "paged texel" if in_file((side, side)) else "texel": texels * tiles,
         "tile texel": min(texels, TILE_TEXELS),
     }
-    return round(_START_MB + sum(_BYTES_PER[key] * count for key, count in work.items()) / 1e6)
+    return round(_START_MB + sum(_BYTES_PER.get(unit, 0) * count for unit, count in whole.items()) / 1e6)

@@ -1,7 +1,7 @@
 """The stack: patterns laid over one another by their masks, evaluated at samples."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,7 +59,7 @@ class Stack:
     def warnings(self) -> tuple[str, ...]:
         """What the patterns have to say of themselves, each with the layer it is of."""
         return tuple(
-            f"{_label(self.recipe, i)}: {text}"
+            f"{layer_label(self.recipe, i)}: {text}"
             for i, pattern in enumerate(self.patterns)
             for text in getattr(pattern, "warnings", ())
         )
@@ -105,7 +105,7 @@ class Stack:
                 shape, BARE.get(channel, 0), np.int32 if channel == "region" else np.float32
             )
         for i, (pattern, mask) in enumerate(zip(self.patterns, self.masks, strict=True)):
-            with located(self.recipe, "layer", i, "mask", label=f"{_label(self.recipe, i)}.mask"):
+            with located(self.recipe, "layer", i, "mask", label=f"{layer_label(self.recipe, i)}.mask"):
                 cover = covering(mask, samples)
             asked, rows = samples, None  # a layer is asked only where it covers something
             if cover is not None and not cover.all():
@@ -113,7 +113,7 @@ class Stack:
                 asked, cover = samples.taken(rows), cover[rows]
             if not len(asked):
                 continue
-            with located(self.recipe, "layer", i, label=_label(self.recipe, i)):
+            with located(self.recipe, "layer", i, label=layer_label(self.recipe, i)):
                 layers = pattern.at(asked)
             if told is not None and layers.clamped:
                 told({name: _spread(at, rows, np.zeros(count, bool)) for name, at in layers.clamped.items()})
@@ -215,26 +215,33 @@ def place_stack(
     Raises
     ------
     RecipeError
-        If a layer does not fit the surface; the message names it.
+        If a layer does not fit the surface, or all together would lay too many features; the message names it.
     """
+    from surftex.bake.limits import Foreseen, foresee, refuse_too_many
+
     patterns, masks = [], []
     count, left = len(recipe.layer), recipe.bake.max_features
+    foreseen: Sequence[Foreseen] = ()
+    if features is None:
+        foreseen = foresee(recipe, surface, fields)
+        refuse_too_many(recipe, foreseen)
     for i in range(count):
         given = _named_for(begun or {}, i) or None
         if features is not None:
             given = _named_for(features, i)
             if not given and layer_cover(recipe, i, surface, fields).any():
                 raise RecipeError(
-                    f"{_label(recipe, i)}: the features file holds nothing for this layer; was it baked from another "
+                    f"{layer_label(recipe, i)}: the features file holds nothing for this layer; was it baked from another "
                     "recipe?"
                 )
         if given is not None:
-            _check_given(surface, given, _label(recipe, i))
+            _check_given(surface, given, layer_label(recipe, i))
         told = _LayerTick(tick, i, count)
         pattern, mask = place_layer(
             recipe, i, surface, fields, features=given, max_features=max(left, 1), threads=threads, tick=told
         )
-        left -= counted(pattern.features)
+        told_before = foreseen and foreseen[i].expected is not None
+        left -= round(foreseen[i].count) if told_before else counted(pattern.features)
         patterns.append(pattern)
         masks.append(mask)
     return Stack(tuple(patterns), tuple(masks), recipe)
@@ -289,14 +296,14 @@ def place_layer(
     try:
         covered = layer_cover(recipe, index, surface, fields, features)
         if not covered.any() and hasattr(material, "channels"):
-            with located(recipe, "layer", index, label=_label(recipe, index)):
+            with located(recipe, "layer", index, label=layer_label(recipe, index)):
                 unseen = Uncovered(material.channels)
             return unseen, mask_on(unseen, fields, layer.mask)
         bodies = Bodies.of(surface, covered) if covered.any() and not covered.all() else None
         if bodies is not None:
             tick = BodiesTick(tick, bodies)
             features = None if features is None else bodies.rows_here(features)
-        with located(recipe, "layer", index, label=_label(recipe, index)):
+        with located(recipe, "layer", index, label=layer_label(recipe, index)):
             pattern: Pattern = material.place(
                 surface if bodies is None else bodies.surface, layer_seed(recipe.seed, index),
                 fields=fields if bodies is None else fields_on(bodies, fields), features=features,
@@ -308,7 +315,8 @@ def place_layer(
         if features is None:
             raise
         raise RecipeError(
-            f"{_label(recipe, index)}: the features do not fit {layer.kind} ({problem}); were they placed by another recipe?"
+            f"{layer_label(recipe, index)}: the features do not fit {layer.kind} ({problem}); were they placed by another "
+            "recipe?"
         ) from None
     if bodies is not None:
         pattern = OnBodies.of(bodies, pattern)
@@ -343,14 +351,28 @@ def layer_cover(
     RecipeError
         If the mask is wrong; the message names the layer.
     """
-    with located(recipe, "layer", index, "mask", label=f"{_label(recipe, index)}.mask"):
+    with located(recipe, "layer", index, "mask", label=f"{layer_label(recipe, index)}.mask"):
         covered = covered_bodies(surface, fields, recipe.layer[index].mask)
     if features is not None and not covered.all():
         covered = covered | holding(surface, features)
     return covered
 
 
-def _label(recipe: Recipe | None, index: int) -> str:
+def layer_label(recipe: Recipe | None, index: int) -> str:
+    """Name a layer as messages do.
+
+    Parameters
+    ----------
+    recipe : Recipe or None
+        With the layer.
+    index : int
+        Of the layer, from 0.
+
+    Returns
+    -------
+    label : str
+        With a number, from 1, where there are several.
+    """
     return "layer" if recipe is None or len(recipe.layer) == 1 else f"layer[{index + 1}]"
 
 
@@ -392,7 +414,7 @@ def feature_counts(features: Features) -> dict[str, int]:
 
 
 def counted(features: Features) -> int:
-    """Count what ``max_features`` bounds: all but pockets and cracks, of which cells bring a few each.
+    """Count what ``max_features`` bounds.
 
     Parameters
     ----------
@@ -404,9 +426,7 @@ def counted(features: Features) -> int:
     count : int
         Of all kinds and layers.
     """
-    return sum(
-        count for kind, count in feature_counts(features).items() if not kind.endswith(("pocket", "crack"))
-    )
+    return sum(feature_counts(features).values())
 
 
 def _prefix(index: int) -> str:

@@ -84,8 +84,8 @@ def _rows(facts: dict[str, Any], cost: dict[str, Any]) -> list[str]:
     rows.append(f"a bake of {cost['material']}: {', '.join([*many, f'on {threads}'])}")
     rows += [_page(page, cost["made_of"]) for page in cost["pages"]]
     rows += _finest(cost)
-    if cost["cells"] > cost["max_features"]:
-        rows.append(f"  that is more than --max-features {cost['max_features']:,}: is the unit right?")
+    if cost["refused"]:
+        rows.append(f"  that bake would be refused: {cost['refused']}")
     rows += [f"  warning: {warning}" for warning in cost["warnings"]]
     rows += [f"warning: {warning}" for warning in facts["warnings"]]
     return rows

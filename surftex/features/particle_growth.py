@@ -197,27 +197,6 @@ class Neighbours:
     index: NDArray[np.int32]
 
 
-def refuse_births(expected: float, most: int) -> None:
-    """Refuse a growth that would not end.
-
-    Parameters
-    ----------
-    expected : float
-        Births, from `GrowthLaw.total_births`.
-    most : int
-        That are allowed.
-
-    Raises
-    ------
-    InputError
-        If more are to be expected.
-    """
-    if expected > most:
-        raise InputError(
-            f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, or raise --max-features"
-        )
-
-
 def grow(
     ground: Ground,
     law: GrowthLaw,
@@ -262,7 +241,10 @@ def grow(
     """
     from surftex.features.growth_law import STEP, STEPS
 
-    refuse_births(law.total_births(ground.area), most)
+    if (expected := law.total_births(ground.area)) > most:
+        raise InputError(
+            f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, or raise --max-features"
+        )
     constants = np.array([2 * law.damping, law.attraction, law.rise, law.ceiling])
     particles = Particles.none() if start is None else start
     end = law.generations if until is None else min(until, law.generations)

@@ -260,7 +260,7 @@ def test_a_dry_run_counts_on_the_bodies_that_are_covered(tmp_path):
         text += "".join(f"f {a} {b} {c}\n" for a, b, c in (WHOLE.faces[WHOLE.part == part] + 1).tolist())
     (tmp_path / "balls.obj").write_text(text)
     mesh = {"mesh": {"path": tmp_path / "balls.obj", "units": "mm"}}
-    made = [sx.Recipe.of(recipe(mask), max_features=200) for mask in ("part('c')", 1, "x > 99")]
+    made = [sx.Recipe.of(recipe(mask), max_features=600) for mask in ("part('c')", 1, "x > 99")]
     made = [each.model_copy(update={"mesh": each.mesh.model_copy(update=mesh["mesh"])}) for each in made]
     part, whole, nothing = recipe_costs(made)
     assert "would hold about" in whole["problem"]

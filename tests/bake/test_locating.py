@@ -32,8 +32,8 @@ pore_density = 0
         ('mask = "10 ** (400 + x)"', 11, "layer.mask: '10 ** (400 + x)' has no finite value at"),
         ('mask = "part(\'nose\')"', 11, "layer.mask: the mesh has no part 'nose'"),
         ('order = ["pore"]', 11, "layer: skin.order: it lists pore"),
-        ("wrinkle_count = 100000000", 11, "layer: skin.wrinkle_count: up to 100000000 features on 16 mm^2"),
-        ("vessel_density = 1e9", 11, "layer: skin.vessel_density: up to 82560000 features on 16 mm^2"),
+        ("wrinkle_count = 100000000", 11, "layer: skin.wrinkle_count: 16 mm^2 would hold about 100,000,000 wrinkles"),
+        ("vessel_density = 1e9", 11, "layer: skin.vessel_density: 16 mm^2 would hold about 82,560,000 vessels"),
     ],
 )  # fmt: skip
 def test_a_mistake_on_the_surface_names_file_line_and_key(tmp_path, lines, start, message):

@@ -1,6 +1,7 @@
 """What a report says where features fit neither the mesh nor the texels."""
 
 import json
+import re
 
 import pytest
 
@@ -85,18 +86,19 @@ def test_inspect_tells_it_before_a_bake(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("material", "made_of", "placed", "finest"),
     [
-        ("calf", "cells", {"cell"}, ("pores", 0.13)),
-        ("cells", "cells", {"grown cell"}, ("cells", 1.6)),
-        ("skin", "furrows", set(), ("pores", 0.26)),
+        ("calf", "cells", {"cell", "pocket", "pore"}, ("pores", 0.13)),
+        ("cells", "cells", {"particle", "cell"}, ("cells", 1.6)),
+        ("skin", "furrows", {"pore"}, ("pores", 0.26)),
         ("gingham", "pixels", {"pixel"}, ("pixels", 1.6)),
-        ("thesis", "cysts", set(), None),
+        ("thesis", "cysts", {"cyst", "mole", "freckle", "follicle"}, None),
     ],
 )
 def test_a_cost_is_of_the_material_that_was_named(material, made_of, placed, finest):
     ball = sphere(10.0, subdivisions=2)
     cost = bake_cost(ball, material)
     assert (cost["material"], cost["made_of"], set(cost["placed"])) == (material, made_of, placed)
-    assert cost["cells"] == sum(cost["placed"].values())
+    assert cost["features"] == sum(cost["placed"].values())
+    assert cost["cells"] == cost["placed"].get("cell", 0) + cost["placed"].get("pixel", 0)
     page = cost["pages"][1]
     if finest:
         assert (cost["finest"]["kind"], cost["finest"]["mm"]) == finest
@@ -131,10 +133,33 @@ def test_inspect_takes_a_recipe_and_says_what_is_wrong_with_it(tmp_path, capsys)
     assert main(["inspect", *mesh, "--material", "skin"]) == 0
     said = capsys.readouterr().out
     assert "across a furrow" in said
-    assert " cells" not in said
+    assert " cell" not in said
     assert main(["inspect", *mesh, "--material", "no-such"]) == 2
     assert main(["inspect", *mesh]) == 0
     assert "a bake of calf: about" in capsys.readouterr().out
+
+
+def test_inspect_says_that_a_bake_would_be_refused_and_what_mends_it(tmp_path, capsys):
+    from tests.test_cli import write_obj
+
+    ball = sphere(500.0, subdivisions=2)
+    write_obj(tmp_path / "ball.obj", ball)
+    mesh = str(tmp_path / "ball.obj"), "--units", "mm"
+    assert main(["inspect", *mesh, "--material", "calf"]) == 0
+    said = capsys.readouterr().out
+    refused = next(row for row in said.splitlines() if "would be refused" in row).split("refused: ")[1]
+    assert re.search(
+        r"most of them pockets .* raise cell_size to \S+ mm and lower pore_density to \S+, scale a mesh",
+        refused,
+    )
+    assert (
+        main(["bake", *mesh, "--material", "calf", "--resolution", "64", "--out", str(tmp_path / "o")]) == 2
+    )
+    assert capsys.readouterr().err.strip() == f"surftex: {refused}"
+    layers = [{"preset": "calf", "mask": mask} for mask in (1, 1, 0)]
+    recipe = Recipe(layer=layers, bake={"max_features": round(1.5 * bake_cost(ball, "calf")["features"])})
+    assert re.match(r"layer\[2\]: leather.cell_size: ", bake_cost(ball, "r", recipe)["refused"])
+    assert bake_cost(sphere(50.0, subdivisions=2), "calf")["refused"] is None
 
 
 def test_the_estimate_counts_the_rounds_that_even_cells_out(tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from surftex.bake.bake import bake, run
+from surftex.bake.stack import feature_counts
 from surftex.errors import RecipeError
 from surftex.materials.cells.model import Cells
 from surftex.materials.cells.pattern import CHANNELS
@@ -113,8 +114,8 @@ def test_a_tile_goes_on_from_saved_particles(tile):
         ({"cell_ratio": 0}, 40.0, "cell_ratio: 0 is not between 0.2 and 5"),
         ({"direction": "grain"}, 40.0, "unknown direction 'grain'"),
         ({}, -3.0, "a tile of -3 mm is too small"),
-        ({"births": 5.0}, 4000.0, "more than the 5000000 allowed"),
-        ({"cell_size": 1e-300}, 40.0, "inf particles would be born, more than the 5000000 allowed"),
+        ({"births": 5.0}, 4000.0, "more than the 5,000,000 allowed"),
+        ({"cell_size": 1e-300}, 40.0, "hold about inf features, most of them particles"),
     ],
 )
 def test_what_a_tile_cannot_be_is_said(changes, side, says):
@@ -123,8 +124,20 @@ def test_what_a_tile_cannot_be_is_said(changes, side, says):
 
 
 def test_cells_of_next_to_no_size_are_refused(ball):
-    with pytest.raises(RecipeError, match="inf particles would be born"):
+    with pytest.raises(RecipeError, match="hold about inf features, most of them particles"):
         Cells(cell_size=1e-300).place(ball)
+
+
+def test_as_many_cells_are_foreseen_as_grow(ball):
+    cells = Cells(cell_size=2.0, wrinkle_count=2)
+    placed = feature_counts(cells.place(ball, 1).features)
+    foreseen = {each.kind: each.count for each in cells.expected_features(ball, 1) if each.count}
+    assert foreseen["cell"] == pytest.approx(placed["cell"], rel=0.1)
+    assert foreseen["particle"] == pytest.approx(placed["particle"], rel=0.15)
+    assert foreseen["wrinkle"] == 2
+    allowed = round(1.05 * foreseen["particle"])
+    with pytest.raises(RecipeError, match="most of them particles"):
+        cells.place(ball, 1, max_features=allowed)
 
 
 @pytest.mark.parametrize("ratio", [0, 100, "0.1 * x", "-1"])

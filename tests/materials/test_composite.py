@@ -167,7 +167,7 @@ def test_a_recipe_names_the_model_by_its_file(ball, tmp_path):
     [
         ({"model": "none.stex"}, "no such texture model"),
         ({"model": "granit"}, "on the shelf, which holds gingham, gravel"),
-        ({"model": "gravel", "pixel_size": 1e-3}, "make pixel_size"),
+        ({"model": "gravel", "pixel_size": 1e-3}, "raise pixel_size"),
         ({"model": "gravel", "direction": "grain"}, "grain"),
     ],
 )

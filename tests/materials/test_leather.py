@@ -1,5 +1,8 @@
 """Leather on surfaces: what is placed, what stays, what the samples see."""
 
+import math
+import re
+
 import numpy as np
 import pytest
 from scipy.ndimage import label
@@ -7,8 +10,8 @@ from scipy.spatial import cKDTree
 
 import surftex as sx
 from surftex.bake.fields import make_fields
-from surftex.bake.stack import counted
-from surftex.errors import RecipeError
+from surftex.bake.stack import feature_counts
+from surftex.errors import InputError, RecipeError
 from surftex.features.uniform import area_points
 from surftex.fields.fieldset import FieldSet
 from surftex.files.meshes import load
@@ -236,21 +239,22 @@ def test_detail_finer_than_the_footprint_fades(ball):
 
 
 def test_too_many_features_are_refused(ball):
-    with pytest.raises(RecipeError, match="pores"):
+    with pytest.raises(RecipeError, match="most of them pores"):
         Leather(cell_size=2.0, pore_density=1e6).place(ball, 1, max_features=10_000)
     for size in (1e-300, 5e-324):
-        with pytest.raises(RecipeError, match="would hold about inf features"):
+        with pytest.raises(RecipeError, match="would hold about inf cells"):
             Leather(cell_size=size).place(ball, 1)
 
 
 @pytest.mark.parametrize(
     ("changes", "advice"),
     [
-        ({"cell_size": 0.01}, "raise leather.cell_size"),
-        ({"cell_size": "0.01 + 0 * x"}, "raise leather.cell_size"),
-        ({"pore_density": "400 + 0 * x"}, "lower leather.pore_density"),
-        ({"crown_spacing": 0.01}, "raise leather.crown_spacing"),
-        ({"wrinkle_density": 1e6}, "lower leather.wrinkle_density"),
+        ({"cell_size": 0.01}, "raise cell_size"),
+        ({"cell_size": "0.01 + 0 * x"}, "raise cell_size"),
+        ({"pore_density": "400 + 0 * x"}, "lower pore_density"),
+        ({"crown_spacing": 0.01}, "raise crown_spacing"),
+        ({"wrinkle_density": 1e6}, "lower wrinkle_density"),
+        ({"wrinkle_count": 60_000}, "lower wrinkle_count to 4"),
     ],
 )
 def test_too_many_features_are_refused_before_any_is_placed(ball, monkeypatch, changes, advice):
@@ -266,15 +270,45 @@ def test_mistakes_name_the_nearest():
         Leather.preset("calf", crista_heigth=1)
 
 
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"pocket_depth": 0.1, "invasion": 0.4, "pore_density": 0.5, "wrinkle_count": 3, "crown_spacing": 7.0},
+        {"pocket_depth": 0.1, "invasion": "0.4 * (x > 0)", "cell_ratio": 1.6, "size_variation": 0.3},
+        {"pore_density": 1.5, "pore_group": 3, "regularity": 3},
+    ],
+)
+def test_as_many_of_every_kind_are_foreseen_as_are_placed(changes):
+    ball, leather = sphere(20.0, subdivisions=4), Leather(cell_size=2.0, **changes)
+    placed = feature_counts(leather.place(ball, 1).features)
+    foreseen = {each.kind: each.count for each in leather.expected_features(ball, 1) if each.count}
+    assert foreseen == {kind: pytest.approx(count, rel=0.1, abs=3) for kind, count in placed.items()}
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind"), [({"pocket_depth": 0.1}, "pocket"), ({"invasion": 0.4}, "crack")]
+)
+def test_what_cells_bring_with_them_counts_before_any_is_placed(monkeypatch, changes, kind):
+    monkeypatch.setattr("surftex.materials.leather.skeleton._direction", pytest.fail)
+    ball, leather = sphere(20.0, subdivisions=3), Leather(cell_size=1.0, **changes)
+    most = round(1.5 * leather.expected_features(ball)[0].count)
+    with pytest.raises(
+        RecipeError, match=rf"most of them {kind}s .*raise cell_size to [12]\.\d+ mm"
+    ) as refused:
+        leather.place(ball, 1, max_features=most)
+    larger = float(re.search(r"cell_size to (\S+) mm", str(refused.value))[1])
+    wider = Leather(cell_size=larger, **changes).expected_features(ball)
+    assert 0.9 * most < sum(each.count for each in wider) <= most
+
+
 def test_a_bake_that_just_fits_is_given_back_within_the_same_bound():
-    ball, leather = (
-        sphere(20.0, subdivisions=3),
-        Leather(cell_size=3.0, pocket_depth=0.1, invasion=0.4, stress=None),
-    )
-    placed = leather.place(ball, 1).features
+    ball, leather = sphere(20.0, subdivisions=3), Leather(cell_size=3.0, pocket_depth=0.1, invasion=0.4)
+    most = math.ceil(sum(each.count for each in leather.expected_features(ball, 1)))
+    placed = leather.place(ball, 1, max_features=most).features
     assert set(placed) == {"cell", "pocket", "crack"}
-    assert counted(placed) == len(placed["cell"])
-    sx.bake(ball, leather, resolution=32, features=placed, max_features=len(placed["cell"]), seed=1)
+    sx.bake(ball, leather, resolution=32, features=placed, max_features=most, seed=1)
+    with pytest.raises(InputError, match="features are given, more than the"):
+        sx.bake(ball, leather, resolution=32, features=placed, max_features=3 * len(placed["cell"]), seed=1)
 
 
 @pytest.mark.parametrize("invasion", [1e7, 1e300])

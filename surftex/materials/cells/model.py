@@ -22,6 +22,7 @@ from surftex.surface.surface import Surface
 if TYPE_CHECKING:
     from surftex.materials.cells.pattern import CellsPattern
     from surftex.materials.cells.tile import CellsTile
+    from surftex.materials.limits import Expected
 
 
 def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
@@ -258,10 +259,10 @@ class Cells(Checked):
 
         return {key: getattr(self, key) for key in Cells.model_fields if key not in KEPT}
 
-    def refuse_too_many(
-        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
-    ) -> None:
-        """Refuse what `place` would refuse for its number alone; nothing is placed.
+    def expected_features(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None
+    ) -> "tuple[Expected, ...]":
+        """Tell about how many features `place` would lay; nothing is placed.
 
         Parameters
         ----------
@@ -271,17 +272,21 @@ class Cells(Checked):
             As for `place`.
         fields : FieldSet, optional
             As for `place`.
-        max_features : int
-            As for `place`.
+
+        Returns
+        -------
+        expected : tuple of Expected
+            Of each kind: what ``max_features`` bounds.
 
         Raises
         ------
         RecipeError
-            If there would be more; the message says how many, and what to change.
+            If an expression does not fit.
         """
-        from surftex.materials.cells.skeleton import refuse_too_many
+        from surftex.fields.fieldset import FieldSet
+        from surftex.materials.cells.skeleton import expected_features
 
-        refuse_too_many(self, surface, fields, max_features)
+        return expected_features(self, surface, seed, fields or FieldSet(surface))
 
     def place(
         self,

@@ -16,7 +16,7 @@ from surftex.features.cells_surface import surface_triangles
 from surftex.features.curves import curve_table, with_drawn
 from surftex.features.growth_surface import SurfaceGround
 from surftex.features.near_logs import path_angles
-from surftex.features.particle_growth import Ground, Particles, grow, on_top, refuse_births
+from surftex.features.particle_growth import Ground, Particles, grow, on_top
 from surftex.fields.fieldset import FieldSet
 from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.paths import polyline, shortest_path
@@ -24,6 +24,7 @@ from surftex.geodesics.pieces import CurvePieces
 from surftex.geodesics.tracing import trace
 from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.cells.model import Cells
+from surftex.materials.limits import Expected, refuse_more
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
@@ -44,6 +45,9 @@ CELL = np.dtype(
     ]
 )  # fmt: skip
 """A cell: its centre, its corners in the log map there, which particles they are (-1: none, or the rim), its bends."""
+
+CELLS_PER_SIZE = 1.81
+"""Cells of a full growth for each square of the largest diameter: measured."""
 
 RATIOS = (0.2, 5.0)
 """Length of particles over their width, at the least and at the most."""
@@ -91,6 +95,7 @@ def place(
         By kind; each row has `face` and `barycentric`.
     """
     names = fields or FieldSet(surface)
+    refuse_more("cells", expected_features(cells, surface, seed, names), surface.area_mm2, max_features)
     creases = _creases(cells, surface, seed, names, threads)
     ground = ground_of(cells, surface, names, creases)
     start = None if features is None or "particle" not in features else particles_of(features["particle"])
@@ -129,8 +134,8 @@ def place(
     return made
 
 
-def refuse_too_many(cells: Cells, surface: Surface, names: FieldSet | None, most: int) -> None:
-    """Refuse more particles than are allowed, before any is born.
+def expected_features(cells: Cells, surface: Surface, seed: int, names: FieldSet) -> tuple[Expected, ...]:
+    """Tell about how many particles would be born, and what is made of them.
 
     Parameters
     ----------
@@ -138,19 +143,37 @@ def refuse_too_many(cells: Cells, surface: Surface, names: FieldSet | None, most
         What would grow.
     surface : Surface
         Where.
-    names : FieldSet, optional
+    seed : int
+        Of everything random.
+    names : FieldSet
         Named numbers.
-    most : int
-        Particles.
+
+    Returns
+    -------
+    expected : tuple of Expected
+        Of each kind.
 
     Raises
     ------
-    InputError
-        If there would be more.
+    RecipeError
+        If an expression does not fit.
     """
-    size = _number(names or FieldSet(surface), cells.cell_size, "cell_size")
+    size = _number(names, cells.cell_size, "cell_size")
     with naming("cells.cell_size"):
-        refuse_births(cells.law.total_births(SurfaceGround(surface, size).area), most)
+        ground = SurfaceGround(surface, size)
+        births, grown_up = cells.law.total_births(ground.area), CELLS_PER_SIZE * ground.area
+    by_area = wrinkle_count(cells, surface.area_mm2, seed) - cells.wrinkle_count
+    drawn = 0
+    if cells.wrinkle_curves is not None:
+        with naming("cells.wrinkle_curves"):
+            drawn = len(np.unique(names.curves(cells.wrinkle_curves)["curve"]))
+    return (
+        Expected("particle", births, "cell_size", cells.cell_size, -2),
+        Expected("cell", grown_up, "cell_size", cells.cell_size, -2),
+        Expected("wrinkle", cells.wrinkle_count, "wrinkle_count", cells.wrinkle_count),
+        Expected("wrinkle", by_area, "wrinkle_density", cells.wrinkle_density),
+        Expected("wrinkle", drawn, "wrinkle_curves", cells.wrinkle_curves or ""),
+    )
 
 
 def ground_of(

@@ -24,6 +24,7 @@ from surftex.materials.cells.skeleton import (
     CELL,
     checked_ratio,
     chosen,
+    expected_features,
     grown,
     no_wrinkles,
     particle_table,
@@ -33,6 +34,7 @@ from surftex.materials.cells.tile_fields import tile_direction, tile_push
 from surftex.materials.cells.tile_wrinkles import nearest_wrinkle, tile_wrinkles
 from surftex.materials.grooves import Line
 from surftex.materials.layers import Layers
+from surftex.materials.limits import refuse_more
 from surftex.randomness import stream
 from surftex.surface.shapes import plane
 from surftex.surface.surface import Surface
@@ -259,6 +261,7 @@ def make_tile(
         raise RecipeError("cells.wrinkle_curves: drawn curves need a mesh; a tile takes wrinkle_count")
     sheet = sheet_of(side_mm) if fields is None else fields.surface
     names = FieldSet(sheet) if fields is None else fields
+    refuse_more("cells", expected_features(cells, sheet, seed, names), sheet.area_mm2, max_features)
     direction, stress = (
         None if name is None else tile_direction(sheet, names.direction(name))
         for name in (cells.direction, cells.stress)

@@ -23,6 +23,7 @@ from surftex.kernels.pool import PartTick
 from surftex.materials.composite.labelling import LEAST_SITES, site_labels
 from surftex.materials.composite.model import Composite
 from surftex.materials.composite.pattern import CompositePattern
+from surftex.materials.limits import Expected, refuse_more
 from surftex.materials.parameters import linear_from_srgb
 from surftex.materials.presets import shelved
 from surftex.randomness import stream
@@ -81,7 +82,7 @@ def place(
     model = named_model(composite.model)
     if not isinstance(model, CompositeModel) and (composite.labels is not None or composite.age != 0):
         raise RecipeError("labels and age are for composites; this model is one texture")
-    refuse_too_many(composite, model, surface, max_features)
+    refuse_more("composite", expected_features(composite, model, surface), surface.area_mm2, max_features)
     offset = asked_offsets(model.target)
     lattices = _lattices(composite, surface, model, _directions(composite, surface, fields), threads)
     lattice = lattices[0]
@@ -106,8 +107,8 @@ def place(
     )  # fmt: skip
 
 
-def refuse_too_many(composite: Composite, model: Texture, surface: Surface, most: int) -> None:
-    """Refuse more pixels than are allowed, before any is drawn.
+def expected_features(composite: Composite, model: Texture, surface: Surface) -> tuple[Expected, ...]:
+    """Tell about how many pixels would be drawn.
 
     Parameters
     ----------
@@ -117,22 +118,16 @@ def refuse_too_many(composite: Composite, model: Texture, surface: Surface, most
         From `named_model`.
     surface : Surface
         Where.
-    most : int
-        Pixels; what walks between them would fill counts as well.
 
-    Raises
-    ------
-    RecipeError
-        If there would be more; the message says which size of pixels would do.
+    Returns
+    -------
+    expected : tuple of Expected
+        Pixels; what walks between them fill bounds them as well.
     """
-    expected = int(surface.area_mm2 / composite.pixel_size**2)
-    most = min(most, MOST_WALKS // len(asked_offsets(model.target)))
-    if expected > most:
-        least = float(np.sqrt(surface.area_mm2 / most))
-        raise RecipeError(
-            f"pixels of {composite.pixel_size:.4g} mm on {surface.area_mm2:.4g} mm^2 are {expected}, more than {most}; "
-            f"make pixel_size {1.02 * least:.3g} mm or more"
-        )
+    with np.errstate(divide="ignore", over="ignore"):
+        count = float(surface.area_mm2 / np.square(composite.pixel_size))
+    most = MOST_WALKS // len(asked_offsets(model.target))
+    return (Expected("pixel", count, "pixel_size", composite.pixel_size, -2, most),)
 
 
 def _lattices(

@@ -12,6 +12,7 @@ from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
     from surftex.materials.composite.pattern import CompositePattern
+    from surftex.materials.limits import Expected
 
 
 def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
@@ -139,10 +140,10 @@ class Composite(Checked):
         kept = ("relief", "roughness", "specular")
         return {key: getattr(self, key) for key in Composite.model_fields if key not in kept}
 
-    def refuse_too_many(
-        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
-    ) -> None:
-        """Refuse what `place` would refuse for its number alone; nothing is placed.
+    def expected_features(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None
+    ) -> "tuple[Expected, ...]":
+        """Tell about how many features `place` would lay; nothing is placed.
 
         Parameters
         ----------
@@ -152,17 +153,20 @@ class Composite(Checked):
             As for `place`.
         fields : FieldSet, optional
             As for `place`.
-        max_features : int
-            As for `place`.
+
+        Returns
+        -------
+        expected : tuple of Expected
+            Of each kind: what ``max_features`` bounds.
 
         Raises
         ------
         RecipeError
-            If there would be more; the message says how many, and what to change.
+            If an expression does not fit.
         """
-        from surftex.materials.composite.drawing import named_model, refuse_too_many
+        from surftex.materials.composite.drawing import expected_features, named_model
 
-        refuse_too_many(self, named_model(self.model), surface, max_features)
+        return expected_features(self, named_model(self.model), surface)
 
     def place(
         self,

@@ -20,6 +20,7 @@ from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
     from surftex.materials.leather.pattern import LeatherPattern
+    from surftex.materials.limits import Expected
 
 
 def _field(default: Any, group: str, text: str, **limits: Any) -> Any:
@@ -231,10 +232,10 @@ class Leather(Checked):
             values[key] = "above 0" if getattr(self, key) else "0"
         return values
 
-    def refuse_too_many(
-        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
-    ) -> None:
-        """Refuse what `place` would refuse for its number alone; nothing is placed.
+    def expected_features(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None
+    ) -> "tuple[Expected, ...]":
+        """Tell about how many features `place` would lay; nothing is placed.
 
         Parameters
         ----------
@@ -244,18 +245,21 @@ class Leather(Checked):
             As for `place`.
         fields : FieldSet, optional
             As for `place`.
-        max_features : int
-            As for `place`.
+
+        Returns
+        -------
+        expected : tuple of Expected
+            Of each kind: what ``max_features`` bounds.
 
         Raises
         ------
         RecipeError
-            If there would be more; the message says how many, and what to change.
+            If an expression does not fit.
         """
         from surftex.fields.fieldset import FieldSet
-        from surftex.materials.leather.skeleton import refuse_too_many
+        from surftex.materials.leather.skeleton import expected_features
 
-        refuse_too_many(self, surface, seed, fields or FieldSet(surface), max_features)
+        return expected_features(self, surface, seed, fields or FieldSet(surface))
 
     def place(
         self,

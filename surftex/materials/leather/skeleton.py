@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.errors import RecipeError, naming
+from surftex.errors import naming
 from surftex.features.curves import with_drawn
 from surftex.features.poisson import Sites, expected_sites, poisson_disk
 from surftex.features.relax import relaxed
@@ -22,12 +22,16 @@ from surftex.geodesics.tracing import trace
 from surftex.kernels.pool import Tick
 from surftex.materials.leather.cells import flood_cells, shape_length
 from surftex.materials.leather.model import Leather
+from surftex.materials.limits import Expected, refuse_more
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
 PORE_PER_MM2 = 400.0
 """Highest density of pores that an expression may reach."""
+
+POCKETS_PER_CELL, CRACKS_PER_CELL = 2.0, 6.0
+"""Corners of a Voronoi graph, and ends of its edges, for each cell: three edges meet at a corner."""
 
 _PATCH, _SPREAD = 4.0, 1.8
 """Wavelength of the sizes in cells, and what makes noise reach -1 and 1 now and then."""
@@ -79,7 +83,7 @@ def place(
     """
     names = fields or FieldSet(surface)
     told = tick or (lambda share: None)
-    refuse_too_many(leather, surface, seed, names, max_features)
+    refuse_more("leather", expected_features(leather, surface, seed, names), surface.area_mm2, max_features)
     direction = _direction(leather, surface, names)
     sites = poisson_disk(
         surface, _size(leather, surface, seed, names), stream(seed, "leather", "cells"),
@@ -119,10 +123,8 @@ def place(
     return features, records
 
 
-def refuse_too_many(
-    leather: Leather, surface: Surface, seed: int, names: FieldSet, max_features: int
-) -> None:
-    """Refuse work beyond a number of features, from the numbers that are to be expected.
+def expected_features(leather: Leather, surface: Surface, seed: int, names: FieldSet) -> tuple[Expected, ...]:
+    """Tell about how many features would be placed.
 
     Parameters
     ----------
@@ -134,36 +136,35 @@ def refuse_too_many(
         Of all streams.
     names : FieldSet
         Named numbers.
-    max_features : int
-        Most that is allowed, of all kinds together.
+
+    Returns
+    -------
+    expected : tuple of Expected
+        Of each kind.
 
     Raises
     ------
     RecipeError
-        If about more would be placed; the message says how many of what, and what to change.
+        If an expression does not fit.
     """
-    spacing = _size(leather, surface, seed, names)
-    expected = {
-        "cells": expected_sites(surface, spacing, _ratio(leather, names)),
-        "pores": _expected_pores(leather, surface, names),
-        "wrinkles": float(_wrinkle_count(leather, surface, seed)),
-        "crowns": expected_sites(surface, leather.crown_spacing, 1.0) if leather.crown_spacing > 0 else 0.0,
-    }
-    total = sum(expected.values())
-    if total <= max_features:
-        return
-    keys = {
-        "cells": "cell_size",
-        "pores": "pore_density",
-        "wrinkles": "wrinkle_density",
-        "crowns": "crown_spacing",
-    }
-    most = max(expected, key=lambda kind: expected[kind])
-    change = f"{'raise' if most in ('cells', 'crowns') else 'lower'} leather.{keys[most]}"
-    listed = ", ".join(f"{count:.0f} {kind}" for kind, count in expected.items() if count >= 0.5)
-    raise RecipeError(
-        f"{surface.area_mm2:.0f} mm^2 would hold about {total:.0f} features ({listed}), more than the {max_features} "
-        f"allowed; {change}, check the mesh's units, or raise --max-features"
+    cells = expected_sites(surface, _size(leather, surface, seed, names), _ratio(leather, names))
+    pockets = POCKETS_PER_CELL * cells if leather.pocket_depth > 0 else 0.0
+    cracks = CRACKS_PER_CELL * cells * _cracked_share(leather, surface, names)
+    crowns = expected_sites(surface, leather.crown_spacing, 1.0) if leather.crown_spacing > 0 else 0.0
+    by_area = int(_wrinkle_count(leather, surface, seed) - leather.wrinkle_count)
+    drawn = 0
+    if leather.wrinkle_curves is not None:
+        with naming("leather.wrinkle_curves"):
+            drawn = len(np.unique(names.curves(leather.wrinkle_curves)["curve"]))
+    return (
+        Expected("cell", cells, "cell_size", leather.cell_size, -2),
+        Expected("pocket", pockets, "cell_size", leather.cell_size, -2),
+        Expected("crack", cracks, "cell_size", leather.cell_size, -2),
+        Expected("wrinkle", leather.wrinkle_count, "wrinkle_count", leather.wrinkle_count),
+        Expected("wrinkle", by_area, "wrinkle_density", leather.wrinkle_density),
+        Expected("wrinkle", drawn, "wrinkle_curves", leather.wrinkle_curves or ""),
+        Expected("pore", _expected_pores(leather, surface, names), "pore_density", leather.pore_density),
+        Expected("crown", crowns, "crown_spacing", leather.crown_spacing, -2),
     )
 
 
@@ -253,6 +254,18 @@ def _on_the_graph(
     if leather.pocket_depth > 0 and len(graph.vertices):
         features["pocket"] = point_table(graph.vertices)
     return {kind: table for kind, table in features.items() if len(table)}
+
+
+def _cracked_share(leather: Leather, surface: Surface, names: FieldSet) -> float:
+    """Tell on which share of the area furrows crack on, from the middles of the faces."""
+    if not isinstance(leather.invasion, str):
+        return float(leather.invasion != 0)
+    middle = SurfacePoints.trusted(
+        np.arange(len(surface.faces), dtype=np.int32), np.full((len(surface.faces), 3), 1 / 3)
+    )
+    with naming("leather.invasion"):
+        cracked = names.scalar(leather.invasion)(middle) > 0
+    return float(surface.face_area_mm2[cracked].sum() / surface.area_mm2)
 
 
 def _expected_pores(leather: Leather, surface: Surface, names: FieldSet) -> float:

@@ -24,6 +24,7 @@ from surftex.optics.tissue import PARAMETERS
 from surftex.surface.surface import Surface
 
 if TYPE_CHECKING:
+    from surftex.materials.limits import Expected
     from surftex.materials.skin.pattern import SkinPattern
 
 Count = int
@@ -333,10 +334,10 @@ class Skin(Checked):
 
         return {key: getattr(self, key) for key in Skin.model_fields if key not in KEPT}
 
-    def refuse_too_many(
-        self, surface: Surface, seed: int = 0, *, fields: Any = None, max_features: int = 5_000_000
-    ) -> None:
-        """Refuse what `place` would refuse for its number alone; nothing is placed.
+    def expected_features(
+        self, surface: Surface, seed: int = 0, *, fields: Any = None
+    ) -> "tuple[Expected, ...]":
+        """Tell about how many features `place` would lay; nothing is placed.
 
         Parameters
         ----------
@@ -346,17 +347,21 @@ class Skin(Checked):
             As for `place`.
         fields : FieldSet, optional
             As for `place`.
-        max_features : int
-            As for `place`.
+
+        Returns
+        -------
+        expected : tuple of Expected
+            Of each kind: what ``max_features`` bounds.
 
         Raises
         ------
         RecipeError
-            If there would be more; the message says how many, and what to change.
+            If an expression does not fit.
         """
-        from surftex.materials.skin.placing import refuse_too_many
+        from surftex.fields.fieldset import FieldSet
+        from surftex.materials.skin.placing import expected_features
 
-        refuse_too_many(self, surface, max_features)
+        return expected_features(self, surface, fields or FieldSet(surface))
 
     def place(
         self,

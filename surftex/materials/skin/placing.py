@@ -12,6 +12,7 @@ from surftex.fields.sources import Field, SpannedField
 from surftex.fields.vectors import VectorField
 from surftex.geodesics.directions import DirectionField
 from surftex.kernels.pool import Tick
+from surftex.materials.limits import Expected, refuse_more
 from surftex.materials.skin.kinds import KINDS, setting
 from surftex.materials.skin.lines import FORKS, drawn_lines, vessels, wrinkles
 from surftex.materials.skin.model import Skin
@@ -55,7 +56,7 @@ def place(
         By kind; each row has `face` and `barycentric`.
     """
     _check_order(skin)
-    refuse_too_many(skin, surface, max_features)
+    refuse_more("skin", expected_features(skin, surface, fields), surface.area_mm2, max_features)
     told = tick or (lambda share: None)
     features: dict[str, NDArray] = {}
     for i, kind in enumerate(KINDS):
@@ -213,8 +214,8 @@ def _check_order(skin: Skin) -> None:
         )
 
 
-def refuse_too_many(skin: Skin, surface: Surface, most: int) -> None:
-    """Refuse more features than are allowed, before any is placed.
+def expected_features(skin: Skin, surface: Surface, fields: FieldSet) -> tuple[Expected, ...]:
+    """Tell about how many features would be placed.
 
     Parameters
     ----------
@@ -222,24 +223,30 @@ def refuse_too_many(skin: Skin, surface: Surface, most: int) -> None:
         What would be placed.
     surface : Surface
         Where.
-    most : int
-        Of all kinds together.
+    fields : FieldSet
+        With what is drawn and picked.
+
+    Returns
+    -------
+    expected : tuple of Expected
+        Of each kind; as many as there are where they are likely everywhere.
 
     Raises
     ------
     RecipeError
-        If up to more would be placed; the message names the parameter.
+        If it names curves or places that there are not.
     """
     forks = sum((2 * FORKS) ** i for i in range(skin.vessel_branches + 1))
     each = {**dict.fromkeys(KINDS, (1.0, 1.0)), "vessel": (forks, forks / 1000), "wrinkle": (1.0, 1 / 1000)}
-    expected = {
-        f"{kind}_{key}": setting(skin, kind, key) * factor
+    expected = [
+        Expected(kind, setting(skin, kind, key) * factor, f"{kind}_{key}", setting(skin, kind, key))
         for kind, (of_count, per_mm2) in each.items()
         for key, factor in (("count", of_count), ("density", per_mm2 * surface.area_mm2))
-    }
-    if (total := sum(expected.values())) > most:
-        key = max(expected, key=lambda key: expected[key])
-        raise RecipeError(
-            f"skin.{key}: up to {total:.10g} features on {surface.area_mm2:.0f} mm^2, most of them {key.split('_')[0]}s, are "
-            f"more than the {most} allowed; lower {key}, or raise --max-features"
-        )
+    ]
+    if skin.mole_points is not None:
+        picked = len(fields.points(skin.mole_points))
+        expected.append(Expected("mole", picked, "mole_points", skin.mole_points))
+    if skin.wrinkle_curves is not None:
+        drawn = len(np.unique(fields.curves(skin.wrinkle_curves)["curve"]))
+        expected.append(Expected("wrinkle", drawn, "wrinkle_curves", skin.wrinkle_curves))
+    return tuple(expected)
