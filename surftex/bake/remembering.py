@@ -92,7 +92,7 @@ def features_key(recipe: Recipe, surface: Surface) -> str:
         In hexadecimal.
     """
     written = recipe.written_out()
-    how = ["features", written["seed"], written["fields"], written["layer"], recipe.bake.max_features]
+    how = ["features", written["seed"], written["fields"], written["layer"]]
     return _key(how, surface, *(path.read_bytes() for path in recipe_files(recipe) if path.is_file()))
 
 

@@ -9,6 +9,7 @@ import pytest
 import surftex.bake.remembering as remembering
 from surftex.bake.bake import run
 from surftex.charts import unwrap
+from surftex.errors import RecipeError
 from surftex.files import shelf
 from surftex.materials.leather.model import Leather
 from surftex.recipe.model import Recipe
@@ -52,6 +53,17 @@ def test_another_seed_parameter_or_surface_is_something_else():
     ]
     assert remembering.features_key(recipe(), surface) == known
     assert len({known, *others}) == 4
+
+
+def test_another_bound_of_features_places_nothing_anew_and_refuses_all_the_same(monkeypatch):
+    first = height(recipe(), remember=True)
+    monkeypatch.setattr(
+        "surftex.materials.leather.skeleton.place", lambda *a, **k: pytest.fail("placed again")
+    )
+    wider = Recipe.of(recipe(), max_features=7_000_000)
+    np.testing.assert_array_equal(height(wider, remember=True), first)
+    with pytest.raises(RecipeError, match="more than the 9 allowed"):
+        height(Recipe.of(recipe(), max_features=9), remember=True)
 
 
 def test_a_picture_that_a_field_reads_counts_by_its_bytes(tmp_path):
