@@ -4,6 +4,7 @@ import math
 import re
 
 from surftex.errors import RecipeError
+from surftex.words import sort_of
 
 MM_PER_UNIT = {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 """Millimetres in one of each unit that a recipe may name."""
@@ -41,6 +42,8 @@ def length_mm(value: str | float | int) -> float:
             return _finite(float(value), value)
         except OverflowError:
             return _finite(math.inf, value)
+    if not isinstance(value, str):
+        raise RecipeError(f"{sort_of(value)} is not a length; write a number with a unit, such as '0.9 mm'")
     match = _LENGTH.fullmatch(value)
     if not match:
         raise RecipeError(f"{value!r} is not a length; write a number with a unit, such as '0.9 mm'")

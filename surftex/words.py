@@ -1,4 +1,4 @@
-"""Numbers as a reader likes them, and the words that go with one."""
+"""Numbers as a reader likes them, the words that go with one, and what to call a value of Python."""
 
 import math
 
@@ -55,3 +55,27 @@ def plain(number: float, digits: int = 3) -> str:
     places = digits - 1 - math.floor(math.log10(abs(number)))
     text = f"{round(number, places):,.{max(places, 0)}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def sort_of(value: object) -> str:
+    """Say what sort of thing was given, where another was wanted.
+
+    Parameters
+    ----------
+    value : object
+        Whatever it is.
+
+    Returns
+    -------
+    text : str
+        Its type, with an article.
+
+    Examples
+    --------
+    >>> sort_of(3), sort_of([]), sort_of(None), sort_of(dict)
+    ('an int', 'a list', 'None', 'the class dict')
+    """
+    if value is None or isinstance(value, type):
+        return "None" if value is None else f"the class {value.__name__}"
+    name = {"ndarray": "array", "str": "string"}.get(type(value).__name__, type(value).__name__)
+    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"

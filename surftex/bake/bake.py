@@ -1,18 +1,20 @@
 """`bake`: a surface and a material, down the hill to maps."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from numpy.typing import NDArray
 
+from surftex.arrays import checked_whole
 from surftex.bake.stages import Progress, Stages
 from surftex.errors import InputError, WorkError
 from surftex.kernels.pool import one_blas_thread
 from surftex.recipe.model import BakeSettings, MeshSettings, Recipe
 from surftex.recipe.read import load_recipe, recipe_for
 from surftex.surface.surface import Surface
+from surftex.words import sort_of
 
 if TYPE_CHECKING:
     from surftex.bake.displacing import Baked
@@ -151,10 +153,8 @@ def run(
     WorkError
         As for `bake`.
     """
-    if threads is not None and threads < 1:
-        raise InputError(f"threads is {threads}; it takes at least 1")
-    if tile is not None and tile < 1:
-        raise InputError(f"tile is {tile}; it takes at least 1 row")
+    threads = None if threads is None else checked_whole(threads, "threads", 1)
+    tile = None if tile is None else checked_whole(tile, "tile", 1)
     if recipe.bake.usd:
         from surftex.files.usd import check_usd
 
@@ -308,6 +308,8 @@ def _features(features: Any, most: int) -> Any:
         from surftex.files.features import load_features
 
         features = load_features(Path(features))
+    if not isinstance(features, (Mapping, type(None))):
+        raise InputError(f"features is {sort_of(features)}; it takes a bake's features, or their file")
     if features is not None and (count := counted(features)) > ABOUT * most:
         raise InputError(
             f"{count:,} features are given, more than the {most:,} that are allowed; raise --max-features"
@@ -315,5 +317,5 @@ def _features(features: Any, most: int) -> Any:
     return features
 
 
-def _names(maps: Any) -> tuple[str, ...] | str | None:
-    return maps if maps is None or isinstance(maps, str) else tuple(maps)
+def _names(maps: Any) -> Any:
+    return tuple(maps) if isinstance(maps, Iterable) and not isinstance(maps, str) else maps

@@ -63,7 +63,9 @@ def load(
     else:
         from surftex.files.doors import as_surface
 
-        surface = as_surface(mesh, units=units or "mm", size=size, part=part, attributes=attributes)
+        surface = as_surface(
+            mesh, units="mm" if units is None else units, size=size, part=part, attributes=attributes
+        )
     if crease is not None:
         return creased(surface, crease)
     return replace(surface, warnings=surface.warnings + crease_notes(surface))

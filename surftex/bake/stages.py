@@ -9,7 +9,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from surftex.errors import InputError
 from surftex.kernels.pool import Tick
+from surftex.words import sort_of
 
 Progress = Callable[[str, float], None]
 """Told the name of a stage and its finished share, 0 to 1; may raise to cancel the bake."""
@@ -53,6 +55,10 @@ class Stages:
     progress: Progress | None = None
     done: list[dict[str, str | float]] = field(default_factory=list)
     started: float = field(default_factory=time.perf_counter)
+
+    def __post_init__(self) -> None:
+        if self.progress is not None and not callable(self.progress):
+            raise InputError(f"progress is {sort_of(self.progress)}; it takes a function of stage and share")
 
     @contextmanager
     def stage(self, name: str, *, children: bool = False) -> Iterator[Tick]:

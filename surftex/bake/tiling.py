@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import checked_whole
 from surftex.bake.growing import GROWS, Growth
 from surftex.bake.growth_facts import cell_statistics
 from surftex.bake.stages import Progress, Stages, peak_rss_mb
@@ -66,8 +67,7 @@ def bake_tile(
     from surftex.maps.normal import surface_tangents
     from surftex.materials.cells.tile import sheet_of
 
-    if threads is not None and threads < 1:
-        raise InputError(f"threads is {threads}; it takes at least 1")
+    threads = None if threads is None else checked_whole(threads, "threads", 1)
     stages = Stages(progress)
     material = _only_layer(recipe)
     asked = _chosen(recipe.bake.maps)

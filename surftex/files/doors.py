@@ -17,6 +17,7 @@ from surftex.files.building import surface_of
 from surftex.files.polygons import Polygons, starts_of
 from surftex.files.reading import printable
 from surftex.surface.surface import Surface
+from surftex.words import sort_of
 
 
 def as_surface(
@@ -96,7 +97,7 @@ def _polygons(mesh: Any) -> Polygons:
     if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
         return _from_arrays(mesh[0], mesh[1])
     raise SurfaceError(
-        f"a {type(mesh).__name__} is no mesh; surftex takes a Surface, trimesh.Trimesh or Scene, "
+        f"{sort_of(mesh)} is no mesh; surftex takes a Surface, trimesh.Trimesh or Scene, "
         "pyvista.PolyData, or (vertices, faces)"
     )
 

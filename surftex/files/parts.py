@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from surftex.errors import MeshFileError
 from surftex.files.polygons import Polygons
 from surftex.files.reading import printable
+from surftex.words import sort_of
 
 
 def chosen_faces(polygons: Polygons, part: str, where: str) -> NDArray[np.bool_]:
@@ -35,6 +36,8 @@ def chosen_faces(polygons: Polygons, part: str, where: str) -> NDArray[np.bool_]
     MeshFileError
         Listing the names that there are, the nearest first.
     """
+    if not isinstance(part, str):
+        raise MeshFileError(f"{where}: part is {sort_of(part)}; it takes a name")
     wanted = part.strip().casefold()
     tests = (lambda name: name == wanted, lambda name: name.startswith(wanted), lambda name: wanted in name)
     for number, test in enumerate(tests if wanted else ()):

@@ -4,6 +4,7 @@ from math import log
 
 from surftex.errors import MeshFileError, RecipeError
 from surftex.units import MM_PER_UNIT, length_mm
+from surftex.words import sort_of
 
 SMALLEST_MM, LARGEST_MM = 20.0, 5000.0
 """A guess must put the longest side between these."""
@@ -44,8 +45,9 @@ def mm_per_unit(
     RecipeError
         If `units` or `size` does not read.
     """
-    if units is not None and units not in MM_PER_UNIT:
-        raise RecipeError(f"unknown unit {units!r}; known are {', '.join(MM_PER_UNIT)}")
+    if units is not None and not (isinstance(units, str) and units in MM_PER_UNIT):
+        shown = repr(units) if isinstance(units, str) else sort_of(units)
+        raise RecipeError(f"unknown unit {shown}; known are {', '.join(MM_PER_UNIT)}")
     if size is not None:
         length = length_mm(size)
         if not 1e-3 <= length <= 1e7:

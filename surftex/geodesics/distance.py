@@ -17,6 +17,7 @@ from surftex.errors import InputError
 from surftex.geodesics.windows import flood_points, nearest
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
+from surftex.words import sort_of
 
 EXACT_EDGES = 20.0
 """Up to this radius in mean edge lengths windows are both faster and better than heat."""
@@ -66,13 +67,11 @@ def geodesic_distance(
         If the exact method is asked for more than it can do.
     """
     if not isinstance(surface, Surface):
-        raise InputError(
-            f"surface is a {type(surface).__name__}; make a Surface of it first: surftex.load(...)"
-        )
+        raise InputError(f"surface is {sort_of(surface)}; make a Surface of it first: surftex.load(...)")
     for name, points in (("sources", sources), ("at", at)):
         if not isinstance(points, SurfacePoints):
             raise InputError(
-                f"{name} is a {type(points).__name__}; it takes SurfacePoints(face, barycentric), or what "
+                f"{name} is {sort_of(points)}; it takes SurfacePoints(face, barycentric), or what "
                 "surftex.surface.closest.closest_points finds"
             )
     if method not in ("auto", "exact", "heat"):

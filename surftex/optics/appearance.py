@@ -11,6 +11,7 @@ from surftex.errors import InputError
 from surftex.kernels.pool import slices
 from surftex.optics.table import SkinTable, shipped_table
 from surftex.optics.tissue import PARAMETERS, check_names, checked_biology
+from surftex.words import sort_of
 
 _SLICE = 65536
 
@@ -80,7 +81,7 @@ def lookup(
     check_names(parameters)
     table = shipped_table() if table is None else table
     if not isinstance(table, SkinTable):
-        raise InputError(f"table is a {type(table).__name__}; it takes what load_table has read")
+        raise InputError(f"table is {sort_of(table)}; it takes what load_table has read")
     if threads is not None:
         threads = checked_whole(threads, "threads", 1)
     with np.errstate(over="ignore"):  # infinite as float32: beyond the range, and counted so

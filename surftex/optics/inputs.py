@@ -9,6 +9,7 @@ from surftex.arrays import checked_whole
 from surftex.errors import InputError
 from surftex.optics.appearance import SkinAppearance
 from surftex.optics.subsurface import profile_width
+from surftex.words import sort_of
 
 METRES_PER_MM = 0.001
 """Scale of a subsurface radius in mm where the scene's unit is the metre."""
@@ -155,5 +156,5 @@ def gltf_material(skin: SkinAppearance, index: int = 0) -> dict[str, Any]:
 
 def _checked(skin: Any) -> SkinAppearance:
     if not isinstance(skin, SkinAppearance):
-        raise InputError(f"skin is a {type(skin).__name__}; it takes what lookup answers")
+        raise InputError(f"skin is {sort_of(skin)}; it takes what lookup answers")
     return skin

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from surftex.errors import InputError
 from surftex.optics.table import SkinTable
+from surftex.words import sort_of
 
 
 def load_table(path: str | Path) -> SkinTable:
@@ -28,6 +29,6 @@ def load_table(path: str | Path) -> SkinTable:
     from surftex.files.reading import printable, read_bytes
 
     if not isinstance(path, (str, os.PathLike)):
-        raise InputError(f"a table of skin is read from a path; this is a {type(path).__name__}")
+        raise InputError(f"a table of skin is read from a path; this is {sort_of(path)}")
     data = read_bytes(path, purpose="table of skin", error=InputError)
     return SkinTable.from_bytes(data, printable(os.fspath(path)))

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from surftex.arrays import checked_number
 from surftex.errors import InputError
 from surftex.optics.spectra import chromophore
+from surftex.words import sort_of
 
 _LN10 = np.log(10.0)
 
@@ -93,7 +94,7 @@ def check_names(biology: Mapping[str, Any]) -> None:
     """
     if not isinstance(biology, Mapping):
         raise InputError(
-            f"parameters of skin come by name, such as {{'melanin': 0.02}}; this is a {type(biology).__name__}"
+            f"parameters of skin come by name, such as {{'melanin': 0.02}}; this is {sort_of(biology)}"
         )
     for name in biology:
         if name not in PARAMETERS:

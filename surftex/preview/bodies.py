@@ -11,6 +11,7 @@ from surftex.files.scene import Body, read_scene
 from surftex.maps.mapset import MapSet
 from surftex.preview.texture import Pyramid, linear_light
 from surftex.surface.surface import Surface
+from surftex.words import sort_of
 
 PLAIN = {
     "base_color": np.array([0.42, 0.41, 0.40]),
@@ -56,9 +57,7 @@ def bodies_of(subject: Any) -> list[Body]:
         return [_clay(subject)]
     if isinstance(subject, (tuple, list)) and len(subject) == 2:
         return [_clay(Surface.from_arrays(*subject))]
-    raise InputError(
-        f"cannot draw a {type(subject).__name__}; give a path, a MapSet, a Surface or (vertices, faces)"
-    )
+    raise InputError(f"cannot draw {sort_of(subject)}; give a path, a MapSet, a Surface or (vertices, faces)")
 
 
 def _clay(surface: Surface) -> Body:

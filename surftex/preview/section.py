@@ -12,6 +12,7 @@ from surftex.geodesics.pieces import CurvePieces
 from surftex.maps.mapset import MapSet
 from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
+from surftex.words import sort_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +113,7 @@ def section(subject: Any, surface: Surface, curve: CurvePieces, *, step_mm: floa
         place = np.stack([uv[:, 0] * image.shape[1] - 0.5, (1 - uv[:, 1]) * image.shape[0] - 0.5], axis=1)
         return Section(along, blended(image, place))
     if not hasattr(subject, "at"):
-        raise InputError(f"cannot cut a {type(subject).__name__}; give a pattern or a MapSet")
+        raise InputError(f"cannot cut {sort_of(subject)}; give a pattern or a MapSet")
     layers = subject.at(Samples(points, np.full(len(points), step, np.float32)))
     if "height_mm" not in layers:
         raise InputError("this pattern has no height")

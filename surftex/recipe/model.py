@@ -22,6 +22,7 @@ from surftex.materials.checked import Checked
 from surftex.recipe.fields import FieldEntry, PositiveMillimetres
 from surftex.recipe.layer import Layer
 from surftex.recipe.lines import Places
+from surftex.words import sort_of
 
 MAPS = (
     "base_color", "roughness", "metallic", "specular", "subsurface", "subsurface_radius_mm", "normal", "height",
@@ -263,9 +264,10 @@ class Recipe(Checked):
         elif isinstance(material, BaseModel) and hasattr(material, "place"):
             values, where = {"layer": (Layer(material=material),)}, Places()
         else:
-            raise RecipeError(
-                f"{type(material).__name__} is no material; take a Leather, a Recipe, or the name of a preset"
-            )
+            mend = "take a Leather, a Recipe, or the name of a preset"
+            if isinstance(material, type) and hasattr(material, "place"):
+                mend = f"make one of it, such as {material.__name__}()"
+            raise RecipeError(f"{sort_of(material)} is no material; {mend}")
         if "seed" in given:
             values["seed"] = given.pop("seed")
         if given:

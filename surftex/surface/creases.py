@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from surftex.arrays import frozen
-from surftex.errors import InputError
+from surftex.arrays import checked_number, frozen
 from surftex.surface.surface import Surface
 
 SHARP_DEGREES = 60.0
@@ -44,8 +43,7 @@ def creased(surface: Surface, degrees: float) -> Surface:
     >>> creased(cylinder(), 30).corner_normal.shape[1:]
     (3, 3)
     """
-    if not 0 <= degrees <= 180:
-        raise InputError(f"crease is {degrees:g} degrees; it takes 0 (all edges hard) to 180 (none)")
+    degrees = checked_number(degrees, "crease", 0, 180)
     face, edge = np.nonzero(surface.neighbor >= 0)
     soft = edge_bend(surface)[face, edge] <= np.radians(degrees)
     face, edge = face[soft], edge[soft]

@@ -117,10 +117,16 @@ def test_meshes_of_other_libraries_are_taken():
         ({"uv": "guess"}, RecipeError, "bake.uv: 'guess': should be 'auto', 'keep' or 'unwrap'"),
         ({"max_features": 3}, RecipeError, "layer: 20 spots are more than"),
         ({"features": "none.npz"}, InputError, "no such file"),
+        ({"features": 3}, InputError, "features is an int; it takes a bake's features, or their file"),
+        ({"threads": "all"}, InputError, "threads is 'all'; it takes one number"),
+        ({"tile": 2.5}, InputError, "tile is 2.5; it takes a whole number"),
+        ({"progress": 3}, InputError, "progress is an int; it takes a function of stage and share"),
+        ({"maps": 3}, RecipeError, "bake.maps: 3: should be a valid tuple"),
+        ({"seed": np.zeros((2, 1))}, RecipeError, "seed: .*should be a valid integer"),
     ],
 )
 def test_wrong_options_are_refused(options, error, says):
-    with pytest.raises(error, match=says):
+    with pytest.raises(error, match=rf"\A.*{says}.*\Z"):
         sx.bake(sphere(20.0, subdivisions=1), Waves(), **{"resolution": 32, **options})
 
 
@@ -129,8 +135,16 @@ def test_wrong_subjects_are_refused():
         sx.bake(sphere())
     with pytest.raises(RecipeError, match="no preset 'claf'; did you mean calf"):
         sx.bake(sphere(), "claf")
-    with pytest.raises(RecipeError, match="int is no material"):
+    with pytest.raises(
+        RecipeError, match=r"^an int is no material; take a Leather, a Recipe, or the name of a preset$"
+    ):
         sx.bake(sphere(), 3)
+    with pytest.raises(
+        RecipeError, match=r"^the class Leather is no material; make one of it, such as Leather\(\)$"
+    ):
+        sx.bake(sphere(), sx.Leather)
+    with pytest.raises(RecipeError, match=r"^the class dict is no material; take a Leather"):
+        sx.bake(sphere(), dict)
     with pytest.raises(InputError, match="the recipe names no mesh"):
         sx.bake(sx.Recipe(layer=({"material": Waves()},)))
 

@@ -65,8 +65,10 @@ def test_polydata_of_mixed_polygons_and_texture_coordinates():
 
 def test_what_is_no_mesh_is_named():
     pyvista = pytest.importorskip("pyvista")
-    with pytest.raises(SurfaceError, match="a int is no mesh"):
+    with pytest.raises(SurfaceError, match=r"^an int is no mesh"):
         as_surface(3)
+    with pytest.raises(SurfaceError, match=r"^an array is no mesh"):
+        as_surface(SQUARE)
     with pytest.raises(SurfaceError, match="extract_surface"):
         as_surface(pyvista.UnstructuredGrid())
     with pytest.raises(SurfaceError, match="no faces"):

@@ -6,7 +6,8 @@ import struct
 import numpy as np
 import pytest
 
-from surftex.errors import MeshFileError, RecipeError
+import surftex
+from surftex.errors import InputError, MeshFileError, RecipeError
 from surftex.files.meshes import load
 from tests.files.bad_inputs import ball, document, glb, glb_of, gltf, obj, off, ply, sheet, stl, stl_text
 
@@ -86,6 +87,21 @@ def test_wrong_units_and_sizes_are_refused(tmp_path, wrong):
     path = saved(tmp_path, "a.obj", obj(*sheet()))
     with pytest.raises(RecipeError):
         load(path, **wrong)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"units": np.zeros(2)}, "unknown unit an array; known are"),
+        ({"size": [1]}, "a list is not a length"),
+        ({"part": 3}, r"part is an int; it takes a name$"),
+        ({"crease": "sharp"}, "crease is 'sharp'; it takes one number"),
+    ],
+)
+def test_arguments_of_other_types_are_told(tmp_path, wrong, says):
+    path = saved(tmp_path, "a.obj", obj(*sheet()))
+    with pytest.raises(InputError, match=says):
+        surftex.load(path, **wrong)
 
 
 def test_obj_corners_carry_their_own_uv_and_normals(tmp_path):

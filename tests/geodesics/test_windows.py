@@ -127,9 +127,9 @@ def test_what_is_no_surface_and_no_points_is_told_by_name():
     ball = sphere(20.0, subdivisions=2)
     points = SurfacePoints(np.zeros(1, np.int32), np.full((1, 3), 1 / 3))
     for surface, sources, at, said in (
-        (ball.vertices, points, points, "surface is a ndarray; make a Surface of it"),
-        (ball, ball.vertices, points, "sources is a ndarray; it takes SurfacePoints"),
-        (ball, points, None, "at is a NoneType; it takes SurfacePoints"),
+        (ball.vertices, points, points, "surface is an array; make a Surface of it"),
+        (ball, ball.vertices, points, "sources is an array; it takes SurfacePoints"),
+        (ball, points, None, "at is None; it takes SurfacePoints"),
     ):
         with pytest.raises(InputError, match=said):
             geodesic_distance(surface, sources, at)

@@ -92,7 +92,7 @@ def test_a_wrong_colour_is_refused(wrong, message):
         ({"melanin": [[1], [1, 2]]}, "melanin is ragged"),
         ({"melanin": [0.1], "blood": [0.1, 0.1]}, "blood holds 2 samples where melanin holds 1"),
         ([0.1], "parameters of skin come by name, such as {'melanin': 0.02}; this is a list"),
-        (None, "this is a NoneType"),
+        (None, "this is None"),
         ({"melanin": [0.1, 0.2], "blood": [0.1, 0.1, 0.1]}, "blood holds 3 samples where melanin holds 2"),
         ({"melanin": [[0.1]]}, "melanin has 2 axes"),
     ],
@@ -105,7 +105,7 @@ def test_a_wrong_look_up_is_refused(wrong, message):
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"table": "mine.npz"}, "table is a str; it takes what load_table has read"),
+        ({"table": "mine.npz"}, "table is a string; it takes what load_table has read"),
         ({"threads": 0}, "threads is 0; it takes at least 1"),
         ({"threads": "two"}, "threads is 'two'; it takes one number"),
     ],
