@@ -106,6 +106,6 @@ def _mended(expected: Iterable[Expected], share: float) -> str:
             value = each.value * (_SURE * share) ** (1 / each.power)
             step = 10.0 ** (math.floor(math.log10(value)) - 2)
             value = step * (math.ceil(value / step) if each.power < 0 else math.floor(value / step))
-            change += f" to {value:.3g}{' mm' if each.power < 0 else ''}"
+            change += f" to {value:.10g}{' mm' if each.power < 0 else ''}"
         changes.append(change)
     return " and ".join(changes)

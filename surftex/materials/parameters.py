@@ -72,6 +72,19 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 NumberField = Annotated[Finite | str, BeforeValidator(_number_or_expression)]
 """A number, a length with a unit, or an expression over the recipe's fields."""
 
+LongField = Annotated[
+    Annotated[float, Field(ge=1, allow_inf_nan=False)] | str, BeforeValidator(_number_or_expression)
+]
+"""Length over width: a number from 1, or an expression over the recipe's fields."""
+
+RATIOS = (0.2, 5.0)
+"""Length over width of particles, at the least and at the most: beyond it they would be needles."""
+
+AspectField = Annotated[
+    Annotated[float, Field(ge=RATIOS[0], le=RATIOS[1])] | str, BeforeValidator(_number_or_expression)
+]
+"""Length over width, either way: a number within `RATIOS`, or an expression over the recipe's fields."""
+
 Share = Annotated[float, Field(ge=0, le=1)]
 """0 to 1."""
 

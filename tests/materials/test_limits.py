@@ -34,6 +34,10 @@ def test_where_one_parameter_cannot_do_others_are_named_too():
     assert 12_000 / 1.75**2 + 9000 * 0.653 / 2 <= 7000
 
 
+def test_large_values_are_written_out():
+    assert "; raise cell_size to 2480 mm, scale" in told(Expected("cell", 6e7, "cell_size", 1.0, -2), most=10)
+
+
 def test_of_an_expression_only_the_sense_is_told():
     said = told(Expected("pore", 9000.0, "pore_density", "2 * wear"), most=7000)
     assert said.startswith("leather.pore_density: 1,230 mm^2 would hold about 9,000 pores, more than")

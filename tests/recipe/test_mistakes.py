@@ -103,6 +103,8 @@ MISTAKES = [
         "0.9 mm",
         "shoe.toml:17: expected newline or end of document after a statement: cell_size = 0.9 mm; write a length in",
     ),
+    ("1.4", "0.2", "shoe.toml:18: layer.cell_ratio: 0.2: should be greater than or equal to 1"),
+    ("1.4", "'0.2'", "shoe.toml:18: layer.cell_ratio: 0.2: should be greater than or equal to 1"),
     ("1.4", "true", "shoe.toml:18: layer.cell_ratio: true is neither a number nor text"),
     (
         "cell_ratio = 1.4",

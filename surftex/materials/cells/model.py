@@ -10,6 +10,7 @@ from surftex.features.growth_law import GrowthLaw
 from surftex.materials.checked import Checked
 from surftex.materials.parameters import (
     Amount,
+    AspectField,
     Color,
     Length,
     LengthField,
@@ -42,7 +43,9 @@ class Cells(Checked):
     cell_size: LengthField = _field(
         1.6, "cells", "Diameter of the largest particles; cells come out a little smaller."
     )
-    cell_ratio: NumberField = _field(1.0, "cells", "Length of particles over their width; 1 is round.")
+    cell_ratio: AspectField = _field(
+        1.0, "cells", "Length of particles over their width, 0.2 to 5; 1 is round."
+    )
     direction: str | None = _field(
         None, "cells", "Direction field that cells are long in; smoothest without it."
     )

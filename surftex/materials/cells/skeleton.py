@@ -25,6 +25,7 @@ from surftex.geodesics.tracing import trace
 from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.cells.model import Cells
 from surftex.materials.limits import Expected, refuse_more
+from surftex.materials.parameters import RATIOS
 from surftex.randomness import stream
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
@@ -48,9 +49,6 @@ CELL = np.dtype(
 
 CELLS_PER_SIZE = 1.81
 """Cells of a full growth for each square of the largest diameter: measured."""
-
-RATIOS = (0.2, 5.0)
-"""Length of particles over their width, at the least and at the most."""
 
 _GROWTH = 0.6
 _SLOPE = 0.05
@@ -404,33 +402,10 @@ def cell_table(planes: CellPlanes, centre: SurfacePoints, corner: NDArray[np.int
     return table
 
 
-def checked_ratio(ratio: float) -> float:
-    """Refuse particles that would be needles.
-
-    Parameters
-    ----------
-    ratio : float
-        Length over width.
-
-    Returns
-    -------
-    ratio : float
-        As it is.
-
-    Raises
-    ------
-    RecipeError
-        If it is outside `RATIOS`.
-    """
-    if not RATIOS[0] <= ratio <= RATIOS[1]:
-        raise RecipeError(f"cells.cell_ratio: {ratio:g} is not between {RATIOS[0]:g} and {RATIOS[1]:g}")
-    return ratio
-
-
 def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[SurfacePoints], NDArray]:
     """Take a number as it is, an expression as a function of points."""
     if not isinstance(value, str):
-        return checked_ratio(value) if key == "cell_ratio" else value
+        return value
     try:
         field = names.scalar(value)
     except RecipeError as problem:
@@ -438,8 +413,11 @@ def _number(names: FieldSet, value: float | str, key: str) -> float | Callable[[
     values = field(_middles(names.surface))
     least = float(np.min(values))
     if key == "cell_ratio":
-        checked_ratio(least)
-        checked_ratio(float(np.max(values)))
+        for ratio in (least, float(np.max(values))):
+            if not RATIOS[0] <= ratio <= RATIOS[1]:
+                raise RecipeError(
+                    f"cells.{key}: {value!r} gives {ratio:g}, not between {RATIOS[0]:g} and {RATIOS[1]:g}"
+                )
     if not least > 0:
         raise RecipeError(f"cells.{key}: {value!r} falls to {least:g}; it must stay above 0")
     return field

@@ -22,7 +22,6 @@ from surftex.materials.cells.pattern import CHANNELS, cell_numbers, located, out
 from surftex.materials.cells.relief import layers
 from surftex.materials.cells.skeleton import (
     CELL,
-    checked_ratio,
     chosen,
     expected_features,
     grown,
@@ -247,7 +246,7 @@ def make_tile(
     for key in ("cell_size", "cell_ratio"):
         if isinstance(getattr(cells, key), str):
             raise RecipeError(f"cells.{key}: an expression needs a surface; a tile takes a number")
-    size, aspect = float(cells.cell_size), checked_ratio(float(cells.cell_ratio))
+    size, aspect = float(cells.cell_size), float(cells.cell_ratio)
     if not side_mm >= LEAST_SIDE * size * max(aspect, 1.0):
         least = LEAST_SIDE * size * max(aspect, 1.0)
         raise RecipeError(

@@ -12,6 +12,7 @@ from surftex.materials.parameters import (
     Color,
     Length,
     LengthField,
+    LongField,
     NumberField,
     PositiveLength,
     Share,
@@ -38,7 +39,7 @@ class Leather(Checked):
 
     cell_size: LengthField = _field(0.85, "cells", "Least distance between neighbour cells.")
     size_variation: Share = _field(0.0, "cells", "How much cells differ in size, in patches of a few cells.")
-    cell_ratio: NumberField = _field(1.0, "cells", "Length of cells over their width; 1 is round.")
+    cell_ratio: LongField = _field(1.0, "cells", "Length of cells over their width, from 1, which is round.")
     direction: str | None = _field(
         None, "cells", "Direction field that cells are long in; smoothest without it."
     )
