@@ -269,7 +269,7 @@ def _one_tile(settings: BakeSettings, atlas: "Atlas") -> tuple[str, ...]:
     if not wanted or len(atlas.tiles) > 1:
         return ()
     return (
-        "all lies on one tile; name a density (--texels-per-mm) to have it spread over as many as that takes",
+        "all lies on one tile; name a density (texels_per_mm, --texels-per-mm) to have it spread over as many as that takes",
     )
 
 
@@ -312,7 +312,7 @@ def _features(features: Any, most: int) -> Any:
         raise InputError(f"features is {sort_of(features)}; it takes a bake's features, or their file")
     if features is not None and (count := counted(features)) > ABOUT * most:
         raise InputError(
-            f"{count:,} features are given, more than the {most:,} that are allowed; raise --max-features"
+            f"{count:,} features are given, more than the {most:,} that are allowed; raise max_features (--max-features)"
         )
     return features
 

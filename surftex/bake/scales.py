@@ -50,7 +50,7 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
         if wide_mm > size_mm:
             found.append(
                 f"{label}{kind} of {plain(wide_mm, 4)} mm are larger than the mesh, whose longest side is "
-                f"{plain(size_mm, 4)} mm; is a unit wrong? --units and --size scale the mesh"
+                f"{plain(size_mm, 4)} mm; is a unit wrong? units and size (--units, --size) scale the mesh"
             )
         elif 0 < texels < LEAST_TEXELS:
             side = (
@@ -58,8 +58,9 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
                 if recipe.bake.texels_per_mm is not None
                 else side_for(wide_mm, texels_per_mm / resolution)
             )
-            would = [] if side is None else [f"--resolution {side}"]
-            would.append(f"--udim --texels-per-mm {density_for(wide_mm):g}")
+            density = density_for(wide_mm)
+            would = [] if side is None else [f"a resolution of {side}"]
+            would.append(f"udim with texels_per_mm = {density:g} (--udim --texels-per-mm {density:g})")
             found.append(
                 f"{label}{kind} of {plain(wide_mm, 4)} mm are {texels:.2g} texels wide at {resolution}, too few to be seen; "
                 f"{' or '.join(would)} would do"

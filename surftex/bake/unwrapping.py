@@ -107,7 +107,7 @@ class Unwrapping:
         spread = self.settings.texels_per_mm is not None
         if uv == "unwrap" or (uv == "auto" and (spread or self.surface.corner_uv is None)):
             return
-        from surftex.charts.gate import keep_own
+        from surftex.charts.gate import USE_UNWRAP, keep_own
 
         with self.stages.stage("own uv"):
             try:
@@ -121,7 +121,7 @@ class Unwrapping:
             except InputError as problem:
                 if uv == "keep":
                     raise
-                self.notes = (f"unwrapped anew: {str(problem).removesuffix('. Use --uv unwrap')}",)
+                self.notes = (f"unwrapped anew: {str(problem).removesuffix(USE_UNWRAP)}",)
 
     def _unwrap(self, *, children: bool) -> Atlas:
         from surftex.charts.unwrap import unwrap

@@ -37,6 +37,10 @@ GAP_PX = 3
 MEASURED_PX = 2048
 """Largest page that gaps are measured on; wider pages scale them."""
 
+UNWRAP = 'uv = "unwrap" (--uv unwrap)'
+USE_UNWRAP = f". Use {UNWRAP}"
+"""How to mend own UVs; the end of a refusal of them, which is taken off where they are unwrapped anew."""
+
 Uv = Literal["auto", "keep", "unwrap"]
 
 
@@ -159,7 +163,9 @@ def gate(
     overlapping, gap, coverage = 0, np.inf, 0.0
     if outside.any():
         several = (
-            " (--udim takes tiles)" if not udim and (uv >= -1e-6).all() and (uv[..., 0] <= 10).all() else ""
+            " (udim, --udim, takes tiles)"
+            if not udim and (uv >= -1e-6).all() and (uv[..., 0] <= 10).all()
+            else ""
         )
         off = ((uv < -1e-6) | (uv > [10 + 1e-6, 900.0])).any(axis=(1, 2))
         if udim and off.any():
@@ -257,13 +263,13 @@ def keep_own(
         If there is none, or the gate refuses it, with the reason.
     """
     if surface.corner_uv is None:
-        raise InputError(f"{surface.name} has no UVs of its own; use --uv unwrap")
+        raise InputError(f"{surface.name} has no UVs of its own; use {UNWRAP}")
     atlas = Atlas.of(surface, surface.corner_uv)
     report = gate(surface, atlas, resolution, udim=udim, threads=threads)
     if report.problems or (report.flaws and not insist):
-        what = "cannot be baked on" if report.problems else "are kept only with --uv keep"
+        what = "cannot be baked on" if report.problems else 'are kept only with uv = "keep" (--uv keep)'
         raise InputError(
-            f"the UVs of {surface.name} {what}: {'; '.join((*report.problems, *report.flaws))}. Use --uv unwrap"
+            f"the UVs of {surface.name} {what}: {'; '.join((*report.problems, *report.flaws))}{USE_UNWRAP}"
         )
     notes = [f"the file's own UVs are kept as asked, though {flaw}" for flaw in report.flaws]
     if report.mirrored_faces:
@@ -327,7 +333,7 @@ def choose_atlas(
         except InputError as problem:
             if uv == "keep":
                 raise
-            reason = str(problem).removesuffix(". Use --uv unwrap")
+            reason = str(problem).removesuffix(USE_UNWRAP)
     atlas = unwrap(
         surface, method=method, resolution=resolution, gutter_px=gutter_px, budget_s=budget_s, tick=tick
     )

@@ -102,7 +102,9 @@ def unwrap(
     if texels_per_mm is not None:
         tiles_for(surface, texels_per_mm, resolution)
         if method == "xatlas":
-            raise InputError("xatlas packs one page; let texels_per_mm be done by --unwrapper uvunwrap")
+            raise InputError(
+                "xatlas packs one page; let texels_per_mm be done by uvunwrap (unwrapper, --unwrapper)"
+            )
         wanted = "uvunwrap"
     notes: list[str] = []
     used = np.unique(surface.faces)

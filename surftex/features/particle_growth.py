@@ -243,7 +243,8 @@ def grow(
 
     if (expected := law.total_births(ground.area)) > most:
         raise InputError(
-            f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, or raise --max-features"
+            f"{expected:.0f} particles would be born, more than the {most} allowed; make cells larger, "
+            "or raise max_features (--max-features)"
         )
     constants = np.array([2 * law.damping, law.attraction, law.rise, law.ceiling])
     particles = Particles.none() if start is None else start

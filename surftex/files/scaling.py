@@ -66,9 +66,9 @@ def mm_per_unit(
         unit = min(plausible, key=lambda name: round(abs(log(lengths[name] / LIKELY_MM)), 9))
         return MM_PER_UNIT[unit], [
             f"the file names no unit; taken as {unit}, its longest side is {lengths[unit]:.4g} mm "
-            "(--units or --size overrules this)"
+            "(units or size overrules this; --units, --size)"
         ]
     raise MeshFileError(
         f"{where}: names no unit, and as metres, centimetres or millimetres its longest side "
-        f"of {longest_side:.4g} is not between 20 mm and 5 m; give --units or --size"
+        f"of {longest_side:.4g} is not between 20 mm and 5 m; give units or size (--units, --size)"
     )

@@ -13,7 +13,7 @@ _ROOM = 0.5
 _SURE = 0.98
 """Kept of what is allowed by the values that are advised, as sizes vary over a surface."""
 
-_UNIT = "scale a mesh whose unit is wrong (--units, --size)"
+_UNIT = "scale a mesh whose unit is wrong (units, size; --units, --size)"
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def refuse_more(material: str, expected: Iterable[Expected], area_mm2: float, mo
         what = f"{total:,.0f} features, most of them {largest.kind}s ({listed})"
     raise RecipeError(
         f"{material}.{keys[0]}: {plain(area_mm2)} mm^2 would hold about {what}, more than the {most:,} allowed; {mended}, "
-        f"{_UNIT}, or raise --max-features"
+        f"{_UNIT}, or raise max_features (--max-features)"
     )
 
 

@@ -223,7 +223,9 @@ def _with_paths(recipe: Recipe, folder: Path, where: Any, *, allow_outside: bool
         except (OSError, ValueError, RuntimeError) as problem:
             raise RecipeError(f"{label}: {text!r} is no path: {problem}") from None
         if not allow_outside and not found.is_relative_to(root):
-            raise RecipeError(f"{label}: {text!r} leaves the recipe's folder; allow it with --allow-outside")
+            raise RecipeError(
+                f"{label}: {text!r} leaves the recipe's folder; allow it with allow_outside (--allow-outside)"
+            )
         return str(found)
 
     mesh, fields = recipe.mesh, dict(recipe.fields_)

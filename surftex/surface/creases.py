@@ -100,5 +100,6 @@ def crease_notes(surface: Surface) -> tuple[str, ...]:
         return ()
     return (
         f"the mesh has no normals of its own, and {100 * sharp:.0f} % of its edges bend by more than "
-        f"{SHARP_DEGREES:g} degrees: they are shaded round; --crease 40 makes edges hard that bend by more than 40",
+        f"{SHARP_DEGREES:g} degrees: they are shaded round; crease = 40 (--crease 40) "
+        "makes edges hard that bend by more than 40",
     )

@@ -93,7 +93,13 @@ def test_tiles_that_are_one_for_want_of_a_density_are_told(options, told):
     ball = sx.shapes.sphere(20.0, subdivisions=2)
     report = bake(ball, Recipe.of(LEATHER, **{"udim": True, **options}), resolution=64).report
     assert report["unwrap"]["tiles"] == [1001]
-    assert any("all lies on one tile; name a density" in line for line in report["warnings"]) == told
+    assert (
+        any(
+            "all lies on one tile; name a density (texels_per_mm, --texels-per-mm)" in line
+            for line in report["warnings"]
+        )
+        == told
+    )
 
 
 def test_kept_uvs_on_one_tile_are_not_told_of_a_density_that_they_cannot_take():
@@ -128,7 +134,7 @@ def test_a_seam_between_tiles_is_measured_on_both():
 
 def test_tiles_are_refused_without_leave_and_faces_across_two():
     surface = two_tiles()
-    with pytest.raises(InputError, match="--udim takes tiles"):
+    with pytest.raises(InputError, match=r"\(udim, --udim, takes tiles\)"):
         keep_own(surface, resolution=256)
     astride = Atlas.of(surface, surface.corner_uv + np.array([0.7, 0.0]))
     with pytest.raises(InputError, match="leave their tile"):

@@ -35,11 +35,14 @@ FAILURES = {
 }
 
 
+USE = r'Use uv = "unwrap" \(--uv unwrap\)$'
+
+
 @pytest.mark.parametrize("reason", FAILURES)
 def test_what_cannot_be_baked_on_is_refused_by_name(reason):
     surface = with_uv(FAILURES[reason])
     for insist in (False, True):
-        with pytest.raises(InputError, match=f"UVs of sheet cannot be baked on: .*{reason}.*Use --uv unwrap"):
+        with pytest.raises(InputError, match=rf"UVs of sheet cannot be baked on: .*{reason}.*{USE}"):
             keep_own(surface, resolution=SIDE, insist=insist)
     with pytest.raises(InputError, match=reason):
         choose_atlas(surface, uv="keep", resolution=SIDE)
@@ -70,14 +73,17 @@ def shrunk(uv, share):
 def test_who_insists_on_his_uvs_is_warned_of_flaws_with_their_figures(flaw):
     surface = with_uv(FLAWS[flaw])
     with pytest.raises(
-        InputError, match=f"UVs of sheet are kept only with --uv keep: {flaw}. Use --uv unwrap"
+        InputError, match=rf'UVs of sheet are kept only with uv = "keep" \(--uv keep\): {flaw}. {USE}'
     ):
         keep_own(surface, resolution=SIDE)
     atlas = choose_atlas(surface, uv="keep", resolution=SIDE)
     assert atlas.unwrapper == "own"
     assert atlas.notes[0] == f"the file's own UVs are kept as asked, though {flaw}"
     anew = choose_atlas(surface, uv="auto", method="uvunwrap", resolution=SIDE)
-    assert anew.notes[0] == f"unwrapped anew: the UVs of sheet are kept only with --uv keep: {flaw}"
+    assert (
+        anew.notes[0]
+        == f'unwrapped anew: the UVs of sheet are kept only with uv = "keep" (--uv keep): {flaw}'
+    )
     maps = sx.bake(surface, sx.Leather(cell_size=2.0), resolution=SIDE, uv="keep", maps="height,normal")
     assert maps.report["warnings"][0] == atlas.notes[0]
     assert all(np.isfinite(maps[name]).all() for name in maps)
@@ -127,7 +133,7 @@ def test_measures_are_exact_on_a_stretched_sheet():
 
 
 def test_keep_needs_uvs():
-    with pytest.raises(InputError, match="sphere has no UVs of its own; use --uv unwrap"):
+    with pytest.raises(InputError, match=r'sphere has no UVs of its own; use uv = "unwrap" \(--uv unwrap\)$'):
         choose_atlas(sphere(subdivisions=1), uv="keep")
     with pytest.raises(InputError, match="uv is 'mine'; it takes one of auto, keep, unwrap"):
         choose_atlas(sphere(subdivisions=1), uv="mine")

@@ -131,7 +131,10 @@ def test_features_of_another_mesh_are_a_line():
     given = leather.place(BALL).features
     with pytest.raises(InputError, match="hold no cell"):
         sx.bake(BALL, leather, resolution=16, maps="height", features={"cell": given["cell"][:0]})
-    with pytest.raises(InputError, match=r"features are given, more than the 10 that are allowed"):
+    with pytest.raises(
+        InputError,
+        match=r"features are given, more than the 10 that are allowed; raise max_features \(--max-features\)$",
+    ):
         sx.bake(BALL, leather, resolution=16, maps="height", features=given, max_features=10)
     with pytest.raises(InputError, match="do not fit skin"):
         sx.bake(BALL, sx.Skin(freckle_count=1), resolution=16, maps="height", features={"freckle": rows()})

@@ -22,8 +22,8 @@ def test_the_kind_and_a_value_that_would_do_are_named():
     said = told(*CELLS, Expected("pore", 1000.0, "pore_density", 2.0), most=4000)
     assert said == (
         "leather.cell_size: 1,230 mm^2 would hold about 13,000 features, most of them pockets (4,000 cells, 8,000 pockets, "
-        "1,000 pores), more than the 4,000 allowed; raise cell_size to 2.03 mm, scale a mesh whose unit is wrong (--units, "
-        "--size), or raise --max-features"
+        "1,000 pores), more than the 4,000 allowed; raise cell_size to 2.03 mm, scale a mesh whose unit is wrong (units, "
+        "size; --units, --size), or raise max_features (--max-features)"
     )
     assert 12_000 / 2.03**2 + 1000 <= 4000
 

@@ -116,7 +116,7 @@ MISTAKES = [
     (
         "shoe.glb",
         "../shoe.glb",
-        "shoe.toml:4: mesh.path: '../shoe.glb' leaves the recipe's folder; allow it with --allow",
+        "shoe.toml:4: mesh.path: '../shoe.glb' leaves the recipe's folder; allow it with allow_outside (--allow-outside)",
     ),
     ("toe.png", "/etc/toe.png", "shoe.toml:11: fields.toe.image: '/etc/toe.png' leaves the recipe's folder"),
     ('units = "m"', 'units = "km"', "shoe.toml:5: mesh.units: 'km': should be 'mm', 'cm', 'm' or 'in'"),

@@ -67,7 +67,7 @@ def test_own_normals_give_way_and_a_recipe_can_ask():
             for baked in maps]  # fmt: skip
     assert tilt[0].max() > 40
     assert tilt[1].max() < 1e-3
-    assert any("--crease" in each for each in maps[0].report["warnings"])
+    assert any("; crease = 40 (--crease 40) makes" in each for each in maps[0].report["warnings"])
     assert not any("--crease" in each for each in maps[1].report["warnings"])
 
 

@@ -70,9 +70,7 @@ def site_labels(
         label = _masked(composite.labels, model, fine, fields)
     if model.over is None:
         if composite.age != 0:
-            raise RecipeError(
-                "age needs a model that something lies over; learn it with surftex learn --over"
-            )
+            raise RecipeError("age needs a model that something lies over; learn it with over (--over)")
         return label
     worn = _drawn(model.over, lattices, stream(seed, "composite", "over").key, threads) > 0
     steps = _number(composite.age, fine, fields) / composite.pixel_size
