@@ -302,12 +302,12 @@ def _curves(entry: CurvesEntry | FaceLinesEntry, surface: Surface) -> Callable[[
 
     def make() -> NDArray[Any]:
         from surftex.features.curves import curve_table
-        from surftex.features.growth import spline
+        from surftex.features.through import curves_through
 
         number = np.repeat(np.arange(len(strokes)), [len(stroke.points) for stroke in strokes])
         width = np.array([stroke.numbers.get("width_mm", entry.width) for stroke in strokes])
         points = _joined([stroke.points for stroke in strokes])
-        pieces = spline(surface, points, number, chord_mm=_CHORD * width)
+        pieces = curves_through(surface, points, number, chord_mm=_CHORD * width)
         depth = np.array([stroke.numbers.get("depth_mm", entry.depth) for stroke in strokes])
         return curve_table(surface, pieces, width_mm=width, depth_mm=depth)
 

@@ -148,7 +148,6 @@ def spline(
     curve: ArrayLike,
     *,
     depth: int = 4,
-    chord_mm: ArrayLike | None = None,
     threads: int | None = None,
 ) -> CurvePieces:
     """Smooth curves steered by controls.
@@ -164,8 +163,6 @@ def spline(
         Curve of each control, never falling.
     depth : int
         Halvings of each Bézier piece, 0 to 10.
-    chord_mm : (c,) float, optional
-        For each number of a curve: pieces are halved, to twice the depth at most, until their chords are no longer.
     threads : int, optional
         None means every core; the result does not depend on it.
 
@@ -204,23 +201,9 @@ def spline(
     faces = np.concatenate([face, middle_face, middle_face])[order]
     places = np.concatenate([place, middle_place, middle_place])[order]
     controls = SurfacePoints.trusted(frozen(faces), frozen(barycentric_of(surface, faces, places)))
+    pieces, _ = bezier(surface, controls, depth=depth, threads=threads)
     owner = number[where[order]][::4]
-    halvings = np.full(len(owner), depth)
-    if chord_mm is not None:
-        leg = np.linalg.norm(np.diff(controls.positions(surface).reshape(-1, 4, 3), axis=1), axis=2).sum(
-            axis=1
-        )
-        wished = np.ceil(np.log2(np.maximum(leg / np.asarray(chord_mm, np.float64)[owner], 1.0)))
-        halvings = np.clip(wished, depth, 2 * depth).astype(int)
-    parts = []
-    for deep in np.unique(halvings):
-        own = np.flatnonzero(halvings == deep)
-        corner = (4 * own[:, None] + np.arange(4)).ravel()
-        pieces, _ = bezier(surface, controls.taken(corner), depth=int(deep), threads=threads)
-        parts.append((own[pieces.curve], pieces.face, pieces.start, pieces.end))
-    section, faces, start, end = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-    along = np.argsort(section, kind="stable")
-    return CurvePieces.of(faces[along], start[along], end[along], owner[section[along]])
+    return CurvePieces.of(pieces.face, pieces.start, pieces.end, owner[pieces.curve])
 
 
 def _one_component(

@@ -12,9 +12,9 @@ References
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from surftex.arrays import frozen
+from surftex.arrays import checked, frozen
 from surftex.errors import SurfaceError
 from surftex.geodesics.paths import PathGround, polyline
 from surftex.geodesics.pieces import CurvePieces, barycentric_of
@@ -31,6 +31,7 @@ def bezier(
     controls: SurfacePoints,
     *,
     depth: int = 4,
+    chord_mm: ArrayLike | None = None,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> tuple[CurvePieces, NDArray[np.float64]]:
@@ -44,6 +45,9 @@ def bezier(
         4 n points: the controls of curve i are 4 i to 4 i + 3.
     depth : int
         Halvings, 0 to 10: a curve consists of 2^depth shortest paths.
+    chord_mm : (n,) float, optional
+        Lengths wished for these paths: a curve is halved, up to twice as often as `depth` says, until its own are about as
+        short.
     threads : int, optional
         None means every core; the result does not depend on it.
     tick : callable, optional
@@ -61,13 +65,40 @@ def bezier(
     SurfaceError
         If the number of controls is no multiple of 4, the depth is out of range, or a point lies on no face.
     """
-    points, curve = bezier_points(surface, controls, depth=depth, threads=threads, tick=tick)
+    count = _curves(surface, controls)
+    parts, length = [], np.full(count, np.inf)
+    for halvings, own in _by_halvings(surface, controls, depth, chord_mm):
+        some = controls.taken((4 * own[:, None] + np.arange(4)).ravel())
+        points, curve = bezier_points(surface, some, depth=halvings, threads=threads, tick=tick)
+        pieces, total = polyline(surface, points, curve, threads=threads)
+        there = np.unique(curve)
+        length[own[there]] = total[there]
+        parts.append((own[pieces.curve], pieces.face, pieces.start, pieces.end))
+    number, face, start, end = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    order = np.argsort(number, kind="stable")
+    return CurvePieces.of(face[order], start[order], end[order], number[order]), length
+
+
+def _curves(surface: Surface, controls: SurfacePoints) -> int:
+    """Count the curves of controls that are on a surface."""
+    controls.check_on(surface)
+    if len(controls) % 4:
+        raise SurfaceError(f"there are {len(controls)} controls; a cubic curve has 4")
+    return len(controls) // 4
+
+
+def _by_halvings(
+    surface: Surface, controls: SurfacePoints, depth: int, chord_mm: ArrayLike | None
+) -> list[tuple[int, NDArray[np.int64]]]:
+    """Numbers of halvings, and the curves that take so many."""
     count = len(controls) // 4
-    pieces, some = polyline(surface, points, curve, threads=threads)
-    length = np.full(count, np.inf)
-    there = np.unique(curve)
-    length[there] = some[there]
-    return pieces, length
+    if chord_mm is None:
+        return [(depth, np.arange(count))]
+    wished = checked(chord_mm, "chord_mm", (count,), np.float64, error=SurfaceError)
+    legs = np.diff(controls.positions(surface).reshape(count, 4, 3), axis=1)
+    chords = np.linalg.norm(legs, axis=2).sum(axis=1) / np.maximum(wished, np.finfo(float).tiny)
+    halvings = np.clip(np.ceil(np.log2(np.maximum(chords, 1.0))), depth, min(2 * depth, 10)).astype(int)
+    return [(int(each), np.flatnonzero(halvings == each)) for each in np.unique(halvings)]
 
 
 def bezier_points(
@@ -105,9 +136,7 @@ def bezier_points(
     SurfaceError
         As for `bezier`.
     """
-    controls.check_on(surface)
-    if len(controls) % 4:
-        raise SurfaceError(f"there are {len(controls)} controls; a cubic curve has 4")
+    _curves(surface, controls)
     if not 0 <= depth <= 10:
         raise SurfaceError(f"depth is {depth}; it takes 0 to 10")
     component = surface.component[controls.face].reshape(-1, 4)

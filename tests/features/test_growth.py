@@ -125,23 +125,6 @@ def test_a_sharp_zigzag_has_no_kinks_either():
     assert turns[1] < 0.4 * turns[0] < 20
 
 
-def test_curves_are_halved_until_their_chords_are_as_short_as_wished():
-    sheet = plane(60.0, cells=1)
-    long = [[5, 5, 0], [30, 50, 0], [55, 10, 0]]
-    short = [[5, 30, 0], [5.5, 30.5, 0], [6, 30, 0]]
-    controls = at(sheet, *long, *short)
-    for wished in (2.0, 0.6):
-        pieces = spline(sheet, controls, np.repeat([0, 1], 3), chord_mm=[wished, 10.0])
-        longest = [pieces.length_mm[pieces.curve == c].max() for c in (0, 1)]
-        assert 0.4 * wished < longest[0] < 1.2 * wished  # steps of equal parameter, not length
-        plain = spline(sheet, controls, np.repeat([0, 1], 3))
-        assert plain.length_mm.max() > 3
-        for name in ("face", "start", "end"):
-            one, other = (getattr(each, name)[each.curve == 1] for each in (pieces, plain))
-            np.testing.assert_array_equal(one, other)
-        np.testing.assert_allclose(pieces.curve_length_mm, plain.curve_length_mm, rtol=0.01)
-
-
 def test_curves_over_several_components_are_left_out():
     one = plane(10.0, cells=2)
     pair = Surface.from_arrays(

@@ -6,6 +6,7 @@ import pytest
 from surftex.errors import SurfaceError
 from surftex.geodesics.bezier import bezier, bezier_points
 from surftex.geodesics.tracing import trace
+from surftex.surface.closest import closest_points
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import cylinder, plane, sphere, torus
 from surftex.surface.surface import Surface
@@ -99,3 +100,21 @@ def test_no_second_compilation():
     ring = torus()
     bezier(ring, controls(ring, 3, 5.0))
     assert len(ways.signatures) == 1
+
+
+def test_curves_are_halved_until_their_chords_are_as_short_as_wished():
+    sheet = plane(60.0, cells=1)
+    long, short = (
+        [[5, 5, 0], [20, 50, 0], [40, 50, 0], [55, 10, 0]],
+        [[5, 5, 0], [6, 6, 0], [7, 6, 0], [8, 5, 0]],
+    )
+    both = closest_points(sheet, np.array([*long, *short], float))[0]
+    plain, plain_length = bezier(sheet, both)
+    pieces, length = bezier(sheet, both, chord_mm=[0.6, 9.0])
+    longest = [[each.length_mm[each.curve == c].max() for c in (0, 1)] for each in (plain, pieces)]
+    assert longest[0][0] > 4
+    assert 0.3 < longest[1][0] < 1.0
+    assert longest[1][1] == longest[0][1]
+    np.testing.assert_allclose(length, plain_length, rtol=2e-3)
+    with pytest.raises(SurfaceError, match="chord_mm"):
+        bezier(sheet, both, chord_mm=[1.0])
