@@ -151,6 +151,7 @@ MISTAKES = [
         "--port 65536: a port is 0, for any that is free, to 65535",
     ),
     (["bake", "ball.obj", "--material", "claf"], "there is no preset 'claf'; did you mean calf?"),
+    (["preview", "ball.obj", "--material", "zzz"], "there is no preset 'zzz'; surftex presets lists them"),
     (["bake", "ball.obj", "--material", "none.toml"], "the recipe 'none.toml' does not exist"),
     (["bake", "none.obj", "--material", "calf"], "none.obj"),
     (

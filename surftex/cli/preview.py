@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from surftex.preview.desk import Desk
     from surftex.recipe.model import Recipe
 
+_FIRST = "calf"
+"""What a mesh is shown in where nobody names a material."""
+
 
 def run(options: Namespace) -> None:
     """Open the preview, and stay until it is closed.
@@ -45,6 +48,8 @@ def run(options: Namespace) -> None:
         check_display(off_screen=options.picture is not None)
     if save_as.exists() and not (options.quiet or options.picture):
         note(f"note: {save_as} is there, and save replaces it; --out names another")
+    if options.subject == recipe.mesh.path and options.material is None and not options.quiet:
+        note(f"note: {_FIRST} is shown; --material names another, and surftex presets lists them")
     desk = _desk(options, recipe)
     try:
         if options.web:
@@ -94,7 +99,7 @@ def make_recipe(options: Namespace) -> "tuple[Recipe, str]":
             f"{options.subject} names its own materials; leave --material out, or name a mesh first"
         )
     read: Any = {"allow_outside": options.allow_outside, "changes": options.changes}
-    material = options.material or "calf"
+    material = options.material or _FIRST
     recipe = load_recipe(options.subject, **read) if own else recipe_for(material, **read)
     if own and recipe.mesh.path is None:
         raise RecipeError(f"{options.subject}: names no mesh; add path under [mesh], or write "

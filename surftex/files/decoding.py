@@ -72,7 +72,7 @@ def decoded(
     }
     kind = kind_of(data)
     if kind not in kinds:
-        raise error(f"{name}: is none of {', '.join(kinds)}")
+        raise error(f"{name}: is none of {', '.join(kinds)}; save it as PNG")
     claimed(data, name, error=error)
     if kind == "JPEG" and not _has_end(data):
         raise error(f"{name}: is a damaged JPEG (it is cut off before its end); save it again")

@@ -46,7 +46,7 @@ def read_exemplar(path: str | Path) -> NDArray[Any]:
     elif data.startswith(b"\xff\xd8"):
         pixels = _jpeg(data, name)
     else:
-        raise InputError(f"{name}: is neither PNG nor JPEG; convert the picture to one of them")
+        raise InputError(f"{name}: is neither PNG nor JPEG; save it as PNG")
     if pixels.ndim == 3 and pixels.shape[2] in (2, 4):
         if (pixels[..., -1] < np.iinfo(pixels.dtype).max).any():
             raise InputError(

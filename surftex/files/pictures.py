@@ -119,7 +119,7 @@ def _pixels(path: str | Path) -> NDArray[Any]:
         raise RecipeError(f"the picture {str(file)!r} cannot be read: {problem.strerror}") from None
     name = f"the picture {str(file)!r}"
     if not kind_of(data):
-        raise RecipeError(f"{name} is none of PNG, JPEG, TIFF and EXR")
+        raise RecipeError(f"{name} is none of PNG, JPEG, TIFF and EXR; save it as PNG")
     pixels = _exr(file) if kind_of(data) == "EXR" else decoded(data, name, error=RecipeError)
     if pixels.ndim == 2:
         pixels = pixels[..., None]

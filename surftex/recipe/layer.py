@@ -91,7 +91,8 @@ def preset_material(name: str) -> str:
         if name in presets:
             return material
     known = [preset for presets in shelves.values() for preset in presets]
-    raise RecipeError(f"there is no preset {name!r}{nearest(name, known)}")
+    hint = nearest(name, known) or "; surftex presets lists them"
+    raise RecipeError(f"there is no preset {name!r}{hint}")
 
 
 class Layer(Checked):

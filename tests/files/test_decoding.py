@@ -8,6 +8,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from surftex.errors import InputError
 from surftex.files.decoding import MOST_NUMBERS, claimed, decoded, kind_of
@@ -167,3 +168,11 @@ def test_whole_numbers_of_32_bits_are_refused(tmp_path):
     check_refused(read_picture, tmp_path / "wide.tif", "holds whole numbers of 32 bits")
     (tmp_path / "well.tif").write_bytes(imagecodecs.tiff_encode(np.full((3, 4), 65535, np.uint16)))
     assert (read_picture(tmp_path / "well.tif") == 1).all()
+
+
+@pytest.mark.parametrize("kind", ["WEBP", "BMP", "GIF"])
+def test_other_kinds_of_pictures_are_to_be_saved_as_png(kind, tmp_path):
+    Image.fromarray(PIXELS).save(tmp_path / "mask", kind)
+    for reader in (read_picture, read_exemplar):
+        with pytest.raises(InputError, match=r"mask'?:? is (none of|neither) PNG.*; save it as PNG$"):
+            reader(tmp_path / "mask")

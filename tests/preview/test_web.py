@@ -246,6 +246,7 @@ def test_the_page_ends_when_asked(meshes, tmp_path):
     said = process.communicate(timeout=60)[1]
     assert process.returncode == 130
     assert said.splitlines()[0].startswith("surftex: note: torus-calf.toml is there, and save replaces it")
+    assert "surftex: note: calf is shown; --material names another, and surftex presets lists them" in said
     assert said.splitlines()[-1] == "surftex: the page is closed"
 
 
