@@ -57,11 +57,12 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     cost : dict
         ``material``; ``cells`` (and pixels); ``features`` of all kinds, and ``placed``: how many of each; ``refused``: why a
         bake would refuse that many, None where it would not; ``made_of``: what the lowest layer is made of first; ``finest``:
-        ``kind`` and ``mm`` of the finest of the material; ``suggested_resolution``, at which that is two texels wide (None
-        where no usual page would do), and ``suggested_texels_per_mm``; ``max_features``; ``threads``; and ``pages``: for each
-        ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``), ``seconds`` of wall time, ``memory_mb``, and
-        ``disk_mb`` of pages that lie in temporary files; ``warnings``: where its cells fit neither the mesh nor the usual
-        page. What is not known before a bake is None.
+        ``kind`` and ``mm`` of the finest of the material; ``advice``: for the one and the other ``kind``, ``mm``, and the
+        ``resolution`` (None where no usual page would do) or ``texels_per_mm`` at which it is about five texels wide; those of
+        the finest are ``suggested_resolution`` and ``suggested_texels_per_mm`` too; ``max_features``; ``threads``; and
+        ``pages``: for each ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``), ``seconds`` of wall time,
+        ``memory_mb``, and ``disk_mb`` of pages that lie in temporary files; ``warnings``: where its cells fit neither the
+        mesh nor the usual page. What is not known before a bake is None.
 
     Raises
     ------
@@ -77,6 +78,16 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     known = getattr(recipe.layer[0].material, "wavelengths_mm", dict)()
     made_of, size_mm = next(((kind, size) for kind, size in known.items() if size > 0), (None, None))
     finest = finest_kind(recipe)
+    advice = [
+        {
+            "kind": kind,
+            "mm": round(wide_mm, 4),
+            "resolution": side_for(wide_mm, _density(surface, 1)),
+            "texels_per_mm": density_for(wide_mm),
+        }
+        for kind, wide_mm in dict.fromkeys([(made_of, size_mm), finest or (None, None)])
+        if kind is not None and wide_mm is not None
+    ]
     threads, faces = thread_count(None), len(surface.faces)
     pages = [
         {
@@ -99,8 +110,9 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
         "refused": _refusal(recipe, foreseen),
         "made_of": made_of,
         "finest": None if finest is None else {"kind": finest[0], "mm": round(finest[1], 4)},
-        "suggested_resolution": None if finest is None else side_for(finest[1], _density(surface, 1)),
-        "suggested_texels_per_mm": None if finest is None else density_for(finest[1]),
+        "advice": advice,
+        "suggested_resolution": None if finest is None else advice[-1]["resolution"],
+        "suggested_texels_per_mm": None if finest is None else advice[-1]["texels_per_mm"],
         "threads": threads,
         "max_features": recipe.bake.max_features,
         "pages": pages,

@@ -16,8 +16,11 @@ GAP = 4.0
 """Between the largest feature and the finest detail of a mesh, from which on it is told as a gap."""
 
 
-LEAST_TEXELS = 2.0
-"""Across a feature, for it to be seen at all: a bright and a dark one."""
+LEAST_TEXELS, GOOD_TEXELS = 3.0, 5.0
+"""Across a feature: below the first its shape is lost, at the second it is seen well: two sides, and a middle between them."""
+
+_NEARLY = 0.9
+"""Share of `GOOD_TEXELS` that a usual page may stay below it, rather than to take four times the texels."""
 
 _RESOLUTIONS = (256, 512, 1024, 2048, 4096, 8192)
 
@@ -62,8 +65,8 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
             would = [] if side is None else [f"a resolution of {side}"]
             would.append(f"udim with texels_per_mm = {density:g} (--udim --texels-per-mm {density:g})")
             found.append(
-                f"{label}{kind} of {plain(wide_mm, 4)} mm are {texels:.2g} texels wide at {resolution}, too few to be seen; "
-                f"{' or '.join(would)} would do"
+                f"{label}{kind} of {plain(wide_mm, 4)} mm are {texels:.3g} texels wide at {resolution}, too few to be seen "
+                f"well; {' or '.join(would)} would do"
             )
     return tuple(found)
 
@@ -87,7 +90,7 @@ def finest_kind(recipe: Recipe) -> tuple[str, float] | None:
 
 
 def side_for(wide_mm: float, per_mm: float) -> int | None:
-    """Tell the least page on which something is seen.
+    """Tell the least page on which something is seen well.
 
     Parameters
     ----------
@@ -101,11 +104,11 @@ def side_for(wide_mm: float, per_mm: float) -> int | None:
     side : int or None
         In texels; None where no usual page would do.
     """
-    return next((side for side in _RESOLUTIONS if side * per_mm * wide_mm >= LEAST_TEXELS), None)
+    return next((side for side in _RESOLUTIONS if side * per_mm * wide_mm >= _NEARLY * GOOD_TEXELS), None)
 
 
 def density_for(wide_mm: float) -> float:
-    """Tell the least density at which something is seen.
+    """Tell the least density at which something is seen well.
 
     Parameters
     ----------
@@ -117,7 +120,7 @@ def density_for(wide_mm: float) -> float:
     texels_per_mm : float
         In steps of a twentieth.
     """
-    return float(np.ceil(20 * LEAST_TEXELS / wide_mm) / 20)
+    return float(np.ceil(20 * GOOD_TEXELS / wide_mm) / 20)
 
 
 def scale_report(

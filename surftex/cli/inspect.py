@@ -102,11 +102,13 @@ def _finest(cost: dict[str, Any]) -> list[str]:
     """Say what a page must show, and which would."""
     if cost["finest"] is None:
         return ["  finest of the material: not known before a bake"]
-    side, density = cost["suggested_resolution"], cost["suggested_texels_per_mm"]
-    would = f"--resolution {side}" if side else f"--udim --texels-per-mm {density:g}"
-    return [
-        f"  finest of the material: {cost['finest']['kind']} of {plain(cost['finest']['mm'], 4)} mm; {would} shows them"
-    ]
+    rows = []
+    for i, each in enumerate(cost["advice"], 1):
+        side, density = each["resolution"], each["texels_per_mm"]
+        would = f"--resolution {side}" if side else f"--udim --texels-per-mm {density:g}"
+        role = "finest of the material:" if i == len(cost["advice"]) else "made of"
+        rows.append(f"  {role} {each['kind']} of {plain(each['mm'], 4)} mm; {would} shows them well")
+    return rows
 
 
 def _page(page: dict[str, Any], made_of: str | None) -> str:
