@@ -25,11 +25,8 @@ def test_cells_below_three_texels_are_told_with_what_shows_them_well():
     (said,) = warned(ball, leather, resolution=128)
     assert said.startswith("cells of 3 mm are 1.")
     assert said.endswith(
-<<<<<<< HEAD
-        "at 128, too few to be seen; a resolution of 256 or udim with texels_per_mm = 0.7 (--udim --texels-per-mm 0.7) would do"
-=======
-        "at 128, too few to be seen well; --resolution 512 or --udim --texels-per-mm 1.7 would do"
->>>>>>> 641b7c6 (Fewer than three texels across a cell are warned of, and about five advised)
+        "at 128, too few to be seen well; a resolution of 512 or udim with texels_per_mm = 1.7 (--udim --texels-per-mm 1.7) "
+        "would do"
     )
     (said,) = warned(ball, leather, resolution=240)
     assert 2.5 < float(said.split(" are ")[1].split(" texels")[0]) < 3
@@ -39,16 +36,10 @@ def test_cells_below_three_texels_are_told_with_what_shows_them_well():
 @pytest.mark.parametrize(
     ("density", "says"),
     [
-<<<<<<< HEAD
-        (1.0, "a resolution of 8192 or udim with"),
-        (0.05, "seen; udim with texels_per_mm = 2.5 (--udim --texels-per-mm 2.5) would do"),
-        (2.6, None),
-=======
-        (1.0, "well; --udim --texels-per-mm 6.25 would do"),
-        (1.41, "--resolution 8192 or --udim"),
-        (3.7, "--resolution 4096 or --udim"),
+        (1.0, "well; udim with texels_per_mm = 6.25 (--udim --texels-per-mm 6.25) would do"),
+        (1.41, "a resolution of 8192 or udim with"),
+        (3.7, "a resolution of 4096 or udim with"),
         (3.8, None),
->>>>>>> 641b7c6 (Fewer than three texels across a cell are warned of, and about five advised)
     ],
 )
 def test_the_least_resolution_that_does_is_named(density, says):
@@ -90,16 +81,9 @@ def test_inspect_tells_it_before_a_bake(tmp_path, capsys):
 
     write_obj(tmp_path / "ball.obj", sphere(500.0, subdivisions=2))
     assert main(["inspect", str(tmp_path / "ball.obj"), "--units", "mm"]) == 0
-<<<<<<< HEAD
-    assert (
-        "warning: cells of 0.65 mm are 0.6 texels wide at 2048, too few to be seen; a resolution of 8192 or"
-        in (capsys.readouterr().out)
-    )
-=======
     said = capsys.readouterr().out
     assert "warning: cells of 0.65 mm are 0.59" in said
-    assert "texels wide at 2048, too few to be seen well; --udim --texels-per-mm 7.7 would do" in said
->>>>>>> 641b7c6 (Fewer than three texels across a cell are warned of, and about five advised)
+    assert "texels wide at 2048, too few to be seen well; udim with texels_per_mm = 7.7 (--udim" in said
     assert main(["inspect", str(tmp_path / "ball.obj"), "--size", "1 um", "--json"]) == 0
     (said,) = json.loads(capsys.readouterr().out)["cost"]["warnings"]
     assert "larger than the mesh, whose longest side is 0.001 mm" in said
