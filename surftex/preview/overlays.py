@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.charts.atlas import Atlas
+from surftex.features.through import curves_through
 from surftex.geodesics.paths import polyline
 from surftex.geodesics.pieces import barycentric_of
 from surftex.preview.live import Live
@@ -88,7 +89,7 @@ def seam_lines(surface: Surface, atlas: Atlas) -> NDArray[np.float64]:
 
 
 def walked(surface: Surface, drawing: Drawing) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Lines and places that were drawn, as they lie on the surface.
+    """Lines and places that were drawn, as they lie on the surface: curves smooth, as they are baked, others straight.
 
     Parameters
     ----------
@@ -106,7 +107,11 @@ def walked(surface: Surface, drawing: Drawing) -> tuple[NDArray[np.float64], NDA
     """
     lines, dots = [np.zeros((0, 2, 3))], [np.zeros((0, 3))]
     for stroke in drawing.strokes:
-        pieces, _ = polyline(surface, stroke.points, np.zeros(len(stroke.points), np.int32))
+        one = np.zeros(len(stroke.points), np.int32)
+        if drawing.use == "curves":
+            pieces = curves_through(surface, stroke.points, one, chord_mm=[surface.mean_edge_mm])
+        else:
+            pieces, _ = polyline(surface, stroke.points, one)
         ends = [
             SurfacePoints.trusted(pieces.face, barycentric_of(surface, pieces.face, place)).positions(surface)
             for place in (pieces.start, pieces.end)

@@ -8,17 +8,19 @@ import numpy as np
 import pytest
 
 from surftex.errors import InputError, RecipeError, WorkError
-from surftex.files.strokes import read_strokes
+from surftex.files.strokes import Stroke, read_strokes
 from surftex.preview import scene
 from surftex.preview.desk import Desk
 from surftex.preview.environment import environment
-from surftex.preview.overlays import distinct, seam_lines
+from surftex.preview.overlays import distinct, seam_lines, walked
 from surftex.preview.panel import hit, layout
 from surftex.preview.picking import pick
+from surftex.preview.session import Drawing
 from surftex.preview.studio import STUDIOS
 from surftex.recipe.read import load_recipe, recipe_from_text
+from surftex.surface.closest import closest_points
 from surftex.surface.points import SurfacePoints
-from surftex.surface.shapes import sphere
+from surftex.surface.shapes import plane, sphere
 
 RECIPE = """
 surftex = 1
@@ -206,6 +208,19 @@ def test_a_stroke_is_one_step_and_goes_on_in_a_recipe_that_was_saved(window, tmp
     again.do("save", tmp_path / "made.toml", overwrite=True)
     assert len(read_strokes(tmp_path / "made-grain.json", desk.surface).strokes) == 2
     again.close()
+
+
+def test_drawn_curves_are_shown_smooth_as_they_are_baked_and_strokes_of_a_direction_straight():
+    sheet = plane(60.0, cells=5)
+    points = closest_points(sheet, np.array([[5.0, 5, 0], [30, 50, 0], [55, 5, 0]]))[0]
+    top, straight = (
+        walked(sheet, Drawing(use, (Stroke(points),)))[0].reshape(-1, 3) for use in ("curves", "direction")
+    )
+    assert abs(top[:, 1].max() - 50) < 0.3
+    on_leg = np.abs(straight[:, 1] - 5 - 1.8 * np.minimum(straight[:, 0] - 5, 55 - straight[:, 0]))
+    assert on_leg.max() < 1e-6
+    away = np.abs(top[:, 1] - 5 - 1.8 * np.minimum(top[:, 0] - 5, 55 - top[:, 0]))
+    assert 1 < away.max() < 10
 
 
 def test_saving_away_from_the_mesh_says_what_baking_takes(ball, tmp_path):
