@@ -77,6 +77,11 @@ def test_mesh_is_what_the_table_says(name, maker, meshes):
     assert f"| {len(surface.faces):,} |" in text
 
 
+@pytest.mark.parametrize("name", KNOWN)
+def test_the_unit_is_known_without_being_told(name, maker, meshes):
+    assert load(meshes / maker.FILES[name]).mm_per_unit == (1000 if maker.FILES[name].endswith(".glb") else 1)
+
+
 @pytest.mark.parametrize("name", ["bottle", "watch_strap"])
 def test_own_unwraps_lie_within_the_page(name, maker, meshes):
     path = meshes / maker.FILES[name]

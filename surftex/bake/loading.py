@@ -27,8 +27,8 @@ def load(
     mesh : path, Surface, trimesh.Trimesh, trimesh.Scene, pyvista.PolyData or (vertices, faces)
         Files may be OBJ, PLY, STL, OFF, GLB or glTF.
     units : {"mm", "cm", "m", "in"}, optional
-        What a unit of the mesh is. Without it metres for glTF, a plausible guess with a warning for other
-        files, millimetres for meshes in memory.
+        What a unit of the mesh is. Without it metres for glTF; for other files what their comments name,
+        or a plausible guess, with a warning; millimetres for meshes in memory.
     size : str or float, optional
         Length of the longest side, such as ``"300 mm"``; overrules `units`.
     part : str, optional

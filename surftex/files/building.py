@@ -68,7 +68,12 @@ def surface_of(
         )
     places = polygons.vertices[used]
     scale, notes = mm_per_unit(
-        float(extent(places).max()), where, own=polygons.mm_per_unit, units=units, size=size
+        float(extent(places).max()),
+        where,
+        own=polygons.mm_per_unit,
+        named=polygons.named_unit,
+        units=units,
+        size=size,
     )
     warnings.extend(notes)
     if part is not None:

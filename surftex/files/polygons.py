@@ -36,6 +36,8 @@ class Polygons:
         What the reader passed over.
     attributes : dict of str to (c,) or (c, k) float64
         Further numbers by name, at each corner; NaN where a corner has none.
+    named_unit : str or None
+        What comments say a unit is.
     """
 
     vertices: NDArray[np.float64]
@@ -47,6 +49,7 @@ class Polygons:
     mm_per_unit: float | None = None
     warnings: list[str] = field(default_factory=list)
     attributes: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    named_unit: str | None = None
 
     def selected(self, chosen: NDArray[np.bool_]) -> "Polygons":
         """Keep some of the polygons.

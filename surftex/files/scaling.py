@@ -1,5 +1,6 @@
-"""Millimetres in a unit of a file: said by the user, by the format, or guessed from the size."""
+"""Millimetres in a unit of a file: said by the user, by the format or a comment, or guessed from the size."""
 
+import re
 from math import log
 
 from surftex.errors import MeshFileError, RecipeError
@@ -12,9 +13,38 @@ SMALLEST_MM, LARGEST_MM = 20.0, 5000.0
 LIKELY_MM = 300.0
 """Where several units do, the one that comes nearest to this by ratio is taken."""
 
+_OVERRULE = "(units or size overrules this; --units, --size)"
+
+_WORDS = {"mm": rb"millimet(er|re)s", "cm": rb"centimet(er|re)s", "m": rb"met(er|re)s", "in": rb"inches"}
+
+
+def named_unit(data: bytes) -> str | None:
+    """Look for a unit in the comments at the head of an OBJ, PLY or OFF file, as Maya writes it.
+
+    Parameters
+    ----------
+    data : bytes
+        Of the file.
+
+    Returns
+    -------
+    unit : str or None
+        One of `MM_PER_UNIT`, if the comments name one in full and no other; numbers of it, such as 10 metres, are no name.
+    """
+    lines = [line for line in data[:2048].splitlines() if line.lstrip().startswith((b"#", b"comment "))]
+    text = b"\n".join(lines)
+    found = [unit for unit, words in _WORDS.items() if re.search(rb"(?<!\d )\b" + words + rb"\b", text, re.I)]
+    return found[0] if len(found) == 1 else None
+
 
 def mm_per_unit(
-    longest_side: float, where: str, *, own: float | None, units: str | None, size: str | float | None
+    longest_side: float,
+    where: str,
+    *,
+    own: float | None,
+    named: str | None,
+    units: str | None,
+    size: str | float | None,
 ) -> tuple[float, list[str]]:
     """Settle the scale of a file.
 
@@ -26,6 +56,8 @@ def mm_per_unit(
         File name for messages.
     own : float or None
         Millimetres in a unit, where the format fixes it.
+    named : str or None
+        What comments say a unit is; taken where that is plausible.
     units : str or None
         What the user says a unit is: "mm", "cm", "m", "in".
     size : str, float or None
@@ -60,13 +92,18 @@ def mm_per_unit(
         return MM_PER_UNIT[units], []
     if own is not None:
         return own, []
+    if named is not None and SMALLEST_MM <= longest_side * MM_PER_UNIT[named] <= LARGEST_MM:
+        length = longest_side * MM_PER_UNIT[named]
+        said = (
+            f"a comment of the file names the unit {named}; its longest side is {length:.4g} mm {_OVERRULE}"
+        )
+        return MM_PER_UNIT[named], [said]
     lengths = {name: longest_side * MM_PER_UNIT[name] for name in ("m", "cm", "mm")}
     plausible = [name for name, length in lengths.items() if SMALLEST_MM <= length <= LARGEST_MM]
     if plausible:
         unit = min(plausible, key=lambda name: round(abs(log(lengths[name] / LIKELY_MM)), 9))
         return MM_PER_UNIT[unit], [
-            f"the file names no unit; taken as {unit}, its longest side is {lengths[unit]:.4g} mm "
-            "(units or size overrules this; --units, --size)"
+            f"the file names no unit; taken as {unit}, its longest side is {lengths[unit]:.4g} mm {_OVERRULE}"
         ]
     raise MeshFileError(
         f"{where}: names no unit, and as metres, centimetres or millimetres its longest side "

@@ -45,7 +45,7 @@ class MeshSettings(Checked):
     )
     units: Literal["mm", "cm", "m", "in"] | None = Field(
         default=None,
-        description="Unit of the file's coordinates: without it metres for glTF, a plausible guess with a warning for others.",
+        description="Unit of the file's coordinates; without it metres for glTF, else what comments name or a plausible guess.",
     )
     size: PositiveMillimetres | None = Field(
         default=None,

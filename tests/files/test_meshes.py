@@ -9,6 +9,7 @@ import pytest
 import surftex
 from surftex.errors import InputError, MeshFileError, RecipeError
 from surftex.files.meshes import load
+from surftex.files.scaling import named_unit
 from tests.files.bad_inputs import ball, document, glb, glb_of, gltf, obj, off, ply, sheet, stl, stl_text
 
 
@@ -68,6 +69,35 @@ def test_units_are_guessed_by_size(tmp_path, side, unit):
     assert surface.mm_per_unit == {"m": 1000, "cm": 10, "mm": 1}[unit]
     assert any(f"taken as {unit}, " in line for line in surface.warnings)
     assert any("(units or size overrules this; --units, --size)" in line for line in surface.warnings)
+
+
+@pytest.mark.parametrize(
+    ("comment", "side", "unit"),
+    [
+        ("# ball, millimetres, y up", 75, "mm"),
+        ("# This file uses centimeters as units for non-parametric coordinates.", 3, "cm"),
+        ("#\n#Units: Meters", 4, "m"),
+        ("# inches", 10, "in"),
+        ("# millimetres", 3, "m"),  # 3 mm: nobody's mesh
+        ("# metres, not millimetres", 75, "cm"),  # two names say nothing
+        ("# a hall of 10 metres", 4, "cm"),
+        ("# the Millimetresque; parameters", 75, "cm"),
+        ("usemtl metres", 4, "cm"),
+        ("vn 0 0 1\n" * 300 + "# millimetres", 75, "cm"),  # not at the head
+    ],
+)
+def test_a_unit_that_comments_name_is_taken_where_it_is_plausible(tmp_path, comment, side, unit):
+    v, f = sheet()
+    path = saved(tmp_path, "a.obj", obj(v * side, f) + b"\n")
+    path.write_bytes(comment.encode() + b"\n" + path.read_bytes())
+    surface = load(path)
+    assert surface.mm_per_unit == {"m": 1000, "cm": 10, "mm": 1, "in": 25.4}[unit]
+    assert any("(units or size overrules this; --units, --size)" in line for line in surface.warnings)
+    assert load(path, units="m").mm_per_unit == 1000
+
+
+def test_comments_of_ply_name_units_too():
+    assert named_unit(b"ply\nformat ascii 1.0\ncomment in inches\nelement vertex 3\n") == "in"
 
 
 @pytest.mark.parametrize("side", [0.001, 6000])
