@@ -17,21 +17,40 @@ COVERAGE = 0.62
 _BEYOND = 1e15
 
 _CPU_S_PER = {
-    "face": 6.0e-5,
-    "leather.cell": 1.2e-4,
-    "cells.cell": 3.6e-4,
-    "composite.pixel": 1.7e-4,
-    "sample": 1.5e-6,
-    "texel": 7.0e-7,
+    "face": (1.5e-5, 4.5e-5),
+    "leather.cell": (2.15e-5, 1.4e-5),
+    "leather.corner": (0.5e-5, 1.2e-5),
+    "leather.crack": (1.2e-5, 0.1e-5),
+    "leather.pore": (0.1e-6, 0.4e-6),
+    "leather.pore in a group": (0.5e-5, 0.35e-5),
+    "leather.crown": (2.15e-5, 1.4e-5),
+    "leather.sample": (3.7e-7, 3.0e-7),
+    "leather.sample of a shape": (4.5e-7, 1.1e-6),
+    "cells.cell": (0.85e-4, 3.7e-4),
+    "composite.pixel": (0.75e-4, 0.55e-4),
+    "skin.pore": (0.2e-5, 0.1e-5),
+    "texel": (1.8e-7, 0.8e-7),
+    "leather.texel": (0.0, 4.0e-7),
+    "leather.texel of a shape": (0.0, 6.5e-7),
+    "skin.texel": (0.0, 9.5e-7),
+    "cells.texel": (0.0, 7.0e-7),
+    "composite.texel": (0.0, 2.0e-7),
 }
-_START_S = 2.0
+"""What each takes of one thread, and what all threads share: measured. Cells count by their effort; corners are those of
+Voronoi graphs, by their cells; samples are those that even cells out."""
+
+START_S = 2.0
+"""Imports, and compiled kernels that are read."""
+
 _BYTES_PER = {
     "face": 1500,
     "face among cells": 4200,
-    "leather.cell": 4400,
+    "leather.cell": 1900,
+    "leather.corner": 1200,
+    "leather.crack": 2400,
     "cells.cell": 4000,
     "composite.pixel": 700,
-    "texel": 69,
+    "page texel": 69,
     "paged texel": 8,
     "tile texel": 66,
 }
@@ -60,9 +79,9 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
         ``kind`` and ``mm`` of the finest of the material; ``advice``: for the one and the other ``kind``, ``mm``, and the
         ``resolution`` (None where no usual page would do) or ``texels_per_mm`` at which it is about five texels wide; those of
         the finest are ``suggested_resolution`` and ``suggested_texels_per_mm`` too; ``max_features``; ``threads``; and
-        ``pages``: for each ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``), ``seconds`` of wall time,
-        ``memory_mb``, and ``disk_mb`` of pages that lie in temporary files; ``warnings``: where its cells fit neither the
-        mesh nor the usual page. What is not known before a bake is None.
+        ``pages``: for each ``resolution`` ``texels_per_mm``, ``texels_per_cell`` (of ``made_of``), ``seconds`` of wall time
+        where nothing else runs, ``cpu_s`` over all threads, ``memory_mb``, and ``disk_mb`` of pages that lie in temporary
+        files; ``warnings``: where its cells fit neither the mesh nor the usual page. What is not known before a bake is None.
 
     Raises
     ------
@@ -75,6 +94,7 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
     recipe = recipe or recipe_for(material)
     foreseen = _foreseen(recipe, surface)
     placed, work = _placed(foreseen), _work(recipe, foreseen)
+    texels = _texels(recipe, foreseen, surface.area_mm2)
     known = getattr(recipe.layer[0].material, "wavelengths_mm", dict)()
     made_of, size_mm = next(((kind, size) for kind, size in known.items() if size > 0), (None, None))
     finest = finest_kind(recipe)
@@ -89,17 +109,20 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
         if kind is not None and wide_mm is not None
     ]
     threads, faces = thread_count(None), len(surface.faces)
-    pages = [
-        {
-            "resolution": side,
-            "texels_per_mm": round(_density(surface, side), 4),
-            "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
-            "seconds": round(_START_S + _cpu_s(faces, work, side) / (0.8 * threads + 0.2), 1),
-            "memory_mb": _memory_mb(faces, work, side),
-            "disk_mb": _disk_mb(side),
-        }
-        for side in (1024, 2048, 4096, 8192)
-    ]
+    pages = []
+    for side in (1024, 2048, 4096, 8192):
+        alone, shared = _cpu_s(faces, work, texels, side)
+        pages.append(
+            {
+                "resolution": side,
+                "texels_per_mm": round(_density(surface, side), 4),
+                "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
+                "seconds": round(alone + shared / threads, 1),
+                "cpu_s": round(alone + shared, 1),
+                "memory_mb": _memory_mb(faces, work, side),
+                "disk_mb": _disk_mb(side),
+            }
+        )
     side = recipe.bake.resolution
     warnings = size_warnings(recipe, surface.longest_side_mm, _density(surface, side), side)
     return {
@@ -148,16 +171,39 @@ def _cells(placed: dict[str, int]) -> int:
 
 
 def _work(recipe: Recipe, foreseen: list[Foreseen]) -> dict[str, float]:
-    """Count what costs time and memory beside faces and texels: features by material and kind, samples to even cells out by."""
+    """Count what costs time and memory beside faces and pages: features by their effort, and what their layer makes of them."""
     work: dict[str, float] = {}
     for layer, told in zip(recipe.layer, foreseen, strict=True):
+        found = {each.kind: 0.0 for each in told.expected or ()}
         for each in told.expected or ():
-            unit, count = f"{layer.kind}.{each.kind}", min(each.count, _BEYOND)
-            work[unit] = work.get(unit, 0.0) + count
-            if unit == "leather.cell":
-                samples = count * samples_per_site(getattr(layer.material, "regularity", 0))
-                work["sample"] = work.get("sample", 0.0) + samples
+            found[each.kind] += each.effort * min(each.count, _BEYOND)
+        if layer.kind == "leather":
+            found = _leather_work(layer.material, told, found)
+        for unit, count in found.items():
+            work[f"{layer.kind}.{unit}"] = work.get(f"{layer.kind}.{unit}", 0.0) + count
     return work
+
+
+def _leather_work(leather: Any, told: Foreseen, found: dict[str, float]) -> dict[str, float]:
+    """Add the graph of the cells, where anything hangs on it, and the samples that even them out."""
+    cells = sum(min(each.count, _BEYOND) for each in told.expected or () if each.kind == "cell")
+    on_graph = any(found.get(kind) for kind in ("pocket", "crack", "wrinkle"))
+    more = {"corner": cells} if on_graph else {}
+    shaped = "" if leather.cell_shape == "round" else " of a shape"
+    more[f"sample{shaped}"] = cells * samples_per_site(leather.regularity)
+    if leather.pore_group > 1:
+        more["pore in a group"] = found.pop("pore", 0.0)
+    return found | more
+
+
+def _texels(recipe: Recipe, foreseen: list[Foreseen], area_mm2: float) -> dict[str, float]:
+    """Tell which share of a page's texels ask each material."""
+    shares: dict[str, float] = {"texel": 1.0}
+    for layer, told in zip(recipe.layer, foreseen, strict=True):
+        shaped = "" if getattr(layer.material, "cell_shape", "round") == "round" else " of a shape"
+        unit = f"{layer.kind}.texel{shaped}"
+        shares[unit] = shares.get(unit, 0.0) + told.area_mm2 / area_mm2
+    return shares
 
 
 def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
@@ -199,12 +245,13 @@ def recipe_costs(recipes: Iterable[Recipe]) -> Iterator[dict[str, Any]]:
             yield {"problem": str(problem), "exit_code": problem.exit_code}
             continue
         faces, placed, work = len(found.faces), _placed(foreseen), _work(recipe, foreseen)
+        texels = _texels(recipe, foreseen, found.area_mm2)
         yield {
             "faces": faces,
             "cells": _cells(placed),
             "features": sum(placed.values()),
             "tiles": tiles,
-            "seconds": round(_START_S + _cpu_s(faces, work, side, tiles), 1),
+            "seconds": round(sum(_cpu_s(faces, work, texels, side, tiles)), 1),
             "memory_mb": _memory_mb(faces, work, side, tiles),
         }
 
@@ -224,14 +271,20 @@ def _density(surface: Surface, side: int) -> float:
     return side * (COVERAGE / surface.area_mm2) ** 0.5
 
 
-def _cpu_s(faces: int, work: dict[str, float], side: int, tiles: int = 1) -> float:
-    whole = {"face": faces, **work, "texel": side * side * tiles}
-    return sum(_CPU_S_PER.get(unit, 0.0) * count for unit, count in whole.items())
+def _cpu_s(
+    faces: int, work: dict[str, float], texels: dict[str, float], side: int, tiles: int = 1
+) -> tuple[float, float]:
+    """Seconds of one thread, and seconds that all threads share."""
+    whole = {"face": faces, **work, **{unit: share * side * side * tiles for unit, share in texels.items()}}
+    alone, shared = (
+        sum(_CPU_S_PER.get(unit, (0.0, 0.0))[i] * count for unit, count in whole.items()) for i in (0, 1)
+    )
+    return START_S + alone, shared
 
 
 def _disk_mb(side: int) -> int:
     """Size of the pages in temporary files: what they would take of the memory otherwise."""
-    bytes_per = _BYTES_PER["texel"] - _BYTES_PER["paged texel"]
+    bytes_per = _BYTES_PER["page texel"] - _BYTES_PER["paged texel"]
     return round(bytes_per * side * side / 1e6) if in_file((side, side)) else 0
 
 
@@ -243,7 +296,7 @@ def _memory_mb(faces: int, work: dict[str, float], side: int, tiles: int = 1) ->
         "face": faces,
         "face among cells": faces if work.get("leather.cell") else 0,
         **work,
-        "paged texel" if in_file((side, side)) else "texel": texels * tiles,
+        "paged texel" if in_file((side, side)) else "page texel": texels * tiles,
         "tile texel": min(texels, TILE_TEXELS),
     }
     return round(_START_MB + sum(_BYTES_PER.get(unit, 0) * count for unit, count in whole.items()) / 1e6)

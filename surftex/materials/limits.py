@@ -34,6 +34,8 @@ class Expected:
         Of the parameter that the count grows by: 1 for numbers and densities, -2 for lengths.
     most : float
         Of this kind, whatever is allowed of all.
+    effort : float
+        Of laying one, against one that is round: cells twice as long as wide lie in the reach of four times as many.
     """
 
     kind: str
@@ -42,6 +44,7 @@ class Expected:
     value: float | str
     power: int = 1
     most: float = math.inf
+    effort: float = 1.0
 
 
 def refuse_more(material: str, expected: Iterable[Expected], area_mm2: float, most: int) -> None:

@@ -2,14 +2,16 @@
 
 import json
 import re
+import time
 
 import pytest
 
 import surftex as sx
-from surftex.bake.cost import bake_cost
+from surftex.bake.cost import START_S, bake_cost
 from surftex.bake.scales import size_warnings
 from surftex.cli import main
 from surftex.recipe.model import Recipe
+from surftex.recipe.read import recipe_for
 from surftex.surface.shapes import plane, sphere
 
 
@@ -182,6 +184,67 @@ def test_the_estimate_counts_the_rounds_that_even_cells_out(tmp_path):
         )
         cost = bake_cost(ball, str(tmp_path / "r.toml"))
         seconds[rounds] = cost["pages"][0]["seconds"]
-    per_round = cost["cells"] * 64 * 1.5e-6 / (0.8 * cost["threads"] + 0.2)
-    assert seconds[3] - seconds[0] == pytest.approx(3 * per_round, rel=0.1)
-    assert seconds[12] - seconds[3] == pytest.approx(9 / 4 * per_round, rel=0.1)
+    assert seconds[3] - seconds[0] > 0.5 * seconds[0]
+    assert seconds[12] - seconds[3] == pytest.approx(9 / 12 * (seconds[3] - seconds[0]), rel=0.05)
+
+
+LEATHER = {"cell_size": 0.5, "pore_density": 0.0, "pocket_depth": 0.0}
+
+
+def foreseen_s(leather):
+    return bake_cost(sphere(50.0, subdivisions=3), "mine", Recipe.of(leather))["pages"][0]["seconds"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "more"),
+    [
+        (
+            {"cell_size": 0.5 * 2**0.5, "cell_ratio": 2.0},
+            3.0,
+        ),  # as many cells, in the reach of four times as many
+        ({"cell_size": "0.7071", "cell_ratio": "2 + 0 * x"}, 3.0),
+        ({"pocket_depth": 0.1}, 1.1),
+        ({"invasion": 0.2}, 3.0),
+        ({"pore_density": 20.0, "pore_group": 3}, 2.0),
+        ({"crown_spacing": 0.5}, 1.8),
+    ],
+)
+def test_an_estimate_counts_what_hangs_on_cells_and_how_far_they_reach(changes, more):
+    start = foreseen_s(sx.Leather(cell_size=50.0))
+    plain = foreseen_s(sx.Leather(**LEATHER)) - start
+    assert foreseen_s(sx.Leather(**{**LEATHER, **changes})) - start > more * plain
+
+
+def test_an_estimate_counts_that_shapes_are_evened_out_more_slowly_than_rounds():
+    even = {**LEATHER, "regularity": 8}
+    round_s, shaped_s = (foreseen_s(sx.Leather(**even, cell_shape=shape)) for shape in ("round", "ellipse"))
+    assert shaped_s > 1.4 * round_s
+
+
+def test_an_estimate_counts_the_texels_of_every_layer():
+    ball = sphere(50.0, subdivisions=3)
+    one, two, three = (
+        bake_cost(
+            ball,
+            "mine",
+            Recipe(layer=[{"preset": "skin", "pore_density": 0, "mask": mask} for mask in masks]),
+        )
+        for masks in ((1,), (1, 1), (1, 1, 0))
+    )
+    first, second, third = (
+        cost["pages"][3]["seconds"] - cost["pages"][2]["seconds"] for cost in (one, two, three)
+    )
+    assert second > 1.4 * first
+    assert third == second
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("preset", ["sakurai-12c", "sakurai-12i", "lizard", "cells"])
+def test_a_bake_takes_about_as_much_of_the_processor_as_was_foreseen(preset):
+    ball = sphere(35.0, subdivisions=4)
+    recipe = Recipe.of(recipe_for(preset), resolution=1024)
+    sx.bake(sphere(4.0, subdivisions=2), recipe)  # so that kernels are there
+    foreseen = bake_cost(ball, preset, recipe)["pages"][0]["cpu_s"] - START_S
+    began = time.process_time()
+    sx.bake(ball, recipe)
+    assert 0.7 < foreseen / (time.process_time() - began) < 1.6

@@ -147,7 +147,8 @@ def expected_features(leather: Leather, surface: Surface, seed: int, names: Fiel
     RecipeError
         If an expression does not fit.
     """
-    cells = expected_sites(surface, _size(leather, surface, seed, names), _ratio(leather, names))
+    ratio = _ratio(leather, names)
+    cells = expected_sites(surface, _size(leather, surface, seed, names), ratio)
     pockets = POCKETS_PER_CELL * cells if leather.pocket_depth > 0 else 0.0
     cracks = CRACKS_PER_CELL * cells * _cracked_share(leather, surface, names)
     crowns = expected_sites(surface, leather.crown_spacing, 1.0) if leather.crown_spacing > 0 else 0.0
@@ -157,7 +158,7 @@ def expected_features(leather: Leather, surface: Surface, seed: int, names: Fiel
         with naming("leather.wrinkle_curves"):
             drawn = len(np.unique(names.curves(leather.wrinkle_curves)["curve"]))
     return (
-        Expected("cell", cells, "cell_size", leather.cell_size, -2),
+        Expected("cell", cells, "cell_size", leather.cell_size, -2, effort=_overlap(surface, ratio)),
         Expected("pocket", pockets, "cell_size", leather.cell_size, -2),
         Expected("crack", cracks, "cell_size", leather.cell_size, -2),
         Expected("wrinkle", leather.wrinkle_count, "wrinkle_count", leather.wrinkle_count),
@@ -260,12 +261,21 @@ def _cracked_share(leather: Leather, surface: Surface, names: FieldSet) -> float
     """Tell on which share of the area furrows crack on, from the middles of the faces."""
     if not isinstance(leather.invasion, str):
         return float(leather.invasion != 0)
-    middle = SurfacePoints.trusted(
-        np.arange(len(surface.faces), dtype=np.int32), np.full((len(surface.faces), 3), 1 / 3)
-    )
     with naming("leather.invasion"):
-        cracked = names.scalar(leather.invasion)(middle) > 0
+        cracked = names.scalar(leather.invasion)(_middles(surface)) > 0
     return float(surface.face_area_mm2[cracked].sum() / surface.area_mm2)
+
+
+def _overlap(surface: Surface, ratio: float | Callable[[SurfacePoints], NDArray]) -> float:
+    """Tell in how many exclusive regions, drawn round their long axis, a place lies, against one where they are round."""
+    if not callable(ratio):
+        return float(ratio) ** 2
+    return float(np.average(ratio(_middles(surface)) ** 2, weights=surface.face_area_mm2))
+
+
+def _middles(surface: Surface) -> SurfacePoints:
+    count = len(surface.faces)
+    return SurfacePoints.trusted(np.arange(count, dtype=np.int32), np.full((count, 3), 1 / 3))
 
 
 def _expected_pores(leather: Leather, surface: Surface, names: FieldSet) -> float:
