@@ -513,7 +513,7 @@ def test_killed_at_any_moment_the_next_run_gives_the_same_bytes(studio):
     undisturbed.communicate()
     assert undisturbed.returncode == 0
     usual_s = time.monotonic() - began
-    for share in (0.3, 0.45, 0.5, 0.53, 0.57, 0.6, 0.63, 0.67, 0.75):
+    for share in (0.3, 0.5, 0.57, 0.63, 0.75):
         (studio / "out").rename(studio / f"before {share}")
         process = started(studio)
         time.sleep(share * usual_s)
