@@ -91,6 +91,9 @@ Share = Annotated[float, Field(ge=0, le=1)]
 Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 """Any number from 0."""
 
+AmountField = Annotated[Amount | str, BeforeValidator(_number_or_expression)]
+"""A number from 0, a length with a unit, or an expression over the recipe's fields."""
+
 Color = Annotated[tuple[Share, Share, Share], BeforeValidator(_color)]
 """Linear sRGB; text is '#rrggbb' as screens show it."""
 

@@ -105,6 +105,11 @@ MISTAKES = [
     ),
     ("1.4", "0.2", "shoe.toml:18: layer.cell_ratio: 0.2: should be greater than or equal to 1"),
     ("1.4", "'0.2'", "shoe.toml:18: layer.cell_ratio: 0.2: should be greater than or equal to 1"),
+    (
+        "cell_ratio = 1.4",
+        "invasion = -1",
+        "shoe.toml:18: layer.invasion: -1: should be greater than or equal to 0",
+    ),
     ("1.4", "true", "shoe.toml:18: layer.cell_ratio: true is neither a number nor text"),
     (
         "cell_ratio = 1.4",

@@ -9,11 +9,11 @@ from pydantic import Field
 from surftex.materials.checked import Checked
 from surftex.materials.parameters import (
     Amount,
+    AmountField,
     Color,
     Length,
     LengthField,
     LongField,
-    NumberField,
     PositiveLength,
     Share,
 )
@@ -67,7 +67,7 @@ class Leather(Checked):
     sulcus_width: Length = _field(0.17, "sulci", "From the middle of a furrow to its rim.")
     sulcus_variation: Share = _field(0.0, "sulci", "How much furrows differ in depth and width.")
 
-    invasion: NumberField = _field(
+    invasion: AmountField = _field(
         0.0, "cracks", "Length by which a furrow along the stress cracks the next plate."
     )
     invasion_mode: Literal["length", "relative"] = _field(
