@@ -65,6 +65,27 @@ def drawn(table: NDArray, name: str) -> NDArray[np.float64]:
     return table[name] if name in (table.dtype.names or ()) else np.zeros(len(table))
 
 
+def closed(table: NDArray) -> NDArray[np.bool_]:
+    """Find pieces of curves that end where they begin: these have no ends to run out at.
+
+    Parameters
+    ----------
+    table : (p,) structured array
+        As `curve_table` writes it.
+
+    Returns
+    -------
+    closed : (p,) bool
+        Of the curve of each piece.
+    """
+    first = np.flatnonzero(np.diff(table["curve"], prepend=-1))
+    size = np.diff(np.append(first, len(table)))
+    last = first + size - 1
+    apart = np.abs(table["barycentric"][first] - table["end_barycentric"][last]).max(axis=1, initial=0)
+    met = (table["face"][first] == table["face"][last]) & (apart < 1e-6) & (size > 1)
+    return np.repeat(met, size)
+
+
 def with_drawn(table: NDArray, added: NDArray) -> NDArray:
     """Put drawn curves behind others that take their width and depth from a material.
 

@@ -105,10 +105,10 @@ def blend_curves(
 ):  # fmt: skip
     """Let every curve that reaches samples [begin, end) crease them; where several do, the result is smooth.
 
-    source_of (p,) int32, limit (p,), along_of (p,), tangent (p, 2): of each primitive. curve (c, 5) float64: length, greatest
-    half width, depth, height of the fold and its side, 1 or -1. table (t, p) float32: rows `crease` and `lift` are profiles
-    of the groove and of the fold, the latter three times as wide. fade: power of the taper by which the depth shrinks with the
-    width. spread: squared width that a squared footprint adds.
+    source_of (p,) int32, limit (p,), along_of (p,), tangent (p, 2): of each primitive. curve (c, 6) float64: length, greatest
+    half width, depth, height of the fold and its side, 1 or -1; 1 where it is closed, so that it has no ends. table (t, p)
+    float32: rows `crease` and `lift` are profiles of the groove and of the fold, the latter three times as wide. fade: power
+    of the taper by which the depth shrinks with the width. spread: squared width that a squared footprint adds.
     -> depth (n,), raised (n,) float32: root of the sum of fourth powers over the curves.
     """
     for i in range(begin, end):
@@ -134,7 +134,7 @@ def blend_curves(
             if best > limit[q]:
                 continue
             ahead, left = place_on_curve(row_id[found, 2], row, found, tangent, q, x, y)
-            t = (along_of[q] + ahead) / curve[who, 0]
+            t = 0.5 if curve[who, 5] > 0 else (along_of[q] + ahead) / curve[who, 0]
             width = 2.0 * curve[who, 1] * max(min(t, 1.0 - t), 0.0)
             if width <= 0.0:
                 continue

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.features.curves import drawn
+from surftex.features.curves import closed, drawn
 from surftex.fields.profiles import valley
 from surftex.geodesics.curves import nearest_curves
 from surftex.geodesics.records import CurveRecords
@@ -65,7 +65,7 @@ def lines_at(
     table : (p,) structured array
         The rows that `records` are of, as `surftex.features.curves.curve_table` writes them.
     share : callable
-        ``share(along_mm, length_mm)``: how much of a line is left at a place along it.
+        ``share(along_mm, length_mm)``: how much of a line is left at a place along it. A closed line has no ends.
 
     Returns
     -------
@@ -73,13 +73,14 @@ def lines_at(
         As many as `NEAREST`, or fewer where fewer meet.
     """
     piece, distance, along, side = nearest_curves(records, points, NEAREST, threads=1)
-    found = []
+    found, endless = [], closed(table)
     for rank in range(NEAREST):
         at = np.flatnonzero(piece[:, rank] >= 0)
         if not len(at):
             break
-        own, passed = piece[at, rank], along[at, rank]
+        own = piece[at, rank]
         length = table["length_mm"][own]
+        passed = np.where(endless[own], length / 2, along[at, rank])  # everywhere as in its middle
         found.append(
             Line(
                 at,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surftex.arrays import frozen, read_only_view
-from surftex.features.curves import curve_pieces
+from surftex.features.curves import closed, curve_pieces
 from surftex.fields.splines import Profile, profile_table
 from surftex.geodesics.curves import flood_curves
 from surftex.geodesics.reaching import Reaching
@@ -29,8 +29,8 @@ class CurveKind:
         What was flooded.
     reaching : Reaching
         What reaches which part of the surface.
-    curve : (c, 5) float64
-        Length, half width, depth, height of the fold and its side of each curve.
+    curve : (c, 6) float64
+        Length, half width, depth, height of the fold, its side, and whether it is closed, of each curve.
     table : (2, p) float32
         Profiles of groove and fold.
     fade : float
@@ -80,12 +80,12 @@ class CurveKind:
         """
         features = features[np.argsort(features["curve"], kind="stable")]
         count = int(features["curve"].max()) + 1
-        curve = np.zeros((count, 5))
+        curve = np.zeros((count, 6))
         who = features["curve"]
         for i, column in enumerate(("length_mm", "width_mm", "depth_mm")):
             curve[who, i] = np.maximum(features[column], 1e-9)
         curve[:, 3] = fold * curve[:, 2]
-        curve[who, 4] = features["side"]
+        curve[who, 4], curve[who, 5] = features["side"], closed(features)
         table = np.stack([profile_table(profile), profile_table("fold")])
         x = np.linspace(0, 1, table.shape[1])
         spread = _VARIANCE / max(float((x * x * table[0]).sum() / table[0].sum()), 1e-3)
