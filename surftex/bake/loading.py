@@ -30,7 +30,7 @@ def load(
         What a unit of the mesh is. Without it metres for glTF; for other files what their comments name,
         or a plausible guess, with a warning; millimetres for meshes in memory.
     size : str or float, optional
-        Length of the longest side, such as ``"300 mm"``; overrules `units`.
+        Length of the longest side of the whole mesh, such as ``"300 mm"``; overrules `units`.
     part : str, optional
         Material slot, group, node or geometry to keep.
     crease : float, optional

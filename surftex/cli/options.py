@@ -597,7 +597,7 @@ def _scale(parser: Parser) -> None:
     parser.add_argument(
         "--size",
         metavar="LENGTH",
-        help='length of the longest side, such as "300 mm"; a bare number is millimetres',
+        help='length of the longest side, such as "300 mm"; a bare number is millimetres; with --part, that of the whole file',
     )
     parser.add_argument("--part", metavar="NAME", help="only this material slot, group or node")
     parser.add_argument(

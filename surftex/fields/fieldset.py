@@ -230,6 +230,9 @@ class FieldSet:
             If no curves have this name, or they cannot be made on this surface.
         """
         if name not in self._curves:
+            if name in self or name in self._directions:
+                kind = "number" if name in self else "direction"
+                raise RecipeError(f"field {name!r} is a {kind}; curves are made from strokes")
             raise RecipeError(f"unknown curves {name!r}{_hint(name, self._curves, 'curves')}")
         if name not in self._drawn:
             self._drawn[name] = self._curves[name]()
@@ -276,8 +279,9 @@ class FieldSet:
             If no direction has this name.
         """
         if name not in self._directions:
-            if name in self:
-                raise RecipeError(f"field {name!r} is a number; directions are made from strokes or an axis")
+            if name in self or name in self._curves:
+                kind = "a number" if name in self else "curves"
+                raise RecipeError(f"field {name!r} is {kind}; directions are made from strokes or an axis")
             raise RecipeError(f"unknown direction {name!r}{_hint(name, self._directions, 'directions')}")
         if name not in self._made:
             self._made[name] = self._directions[name]()

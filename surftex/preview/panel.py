@@ -8,6 +8,7 @@ import numpy as np
 from surftex.preview.controls import Control
 from surftex.preview.desk import OVERLAYS, TOOLS, Desk
 from surftex.preview.studio import STUDIOS
+from surftex.recipe.fields import CURVES, DIRECTIONS
 
 ROW, PAD, CHIP = 22, 12, 7.4
 """Height of a row, margin, and width of a letter, in pixels."""
@@ -189,7 +190,9 @@ def _rows(desk: Desk, control: Control, top: float, inner: float) -> list[Item]:
     elif control.kind == "switch":
         options = [("yes", True), ("no", False)]
     elif value is None or isinstance(value, str):
-        fields = [name for name in desk.session.recipe.fields_ if control.key in _NAMED or value == name]
+        entries = desk.session.recipe.fields_.items()
+        taken = CURVES if control.key.endswith("_curves") else DIRECTIONS if control.key in _DIRECTED else ()
+        fields = [name for name, entry in entries if isinstance(entry, taken) or value == name]
         options = [(each, each) for each in fields]
     x, items = float(PAD), [label]
     for text, each in options:
@@ -202,7 +205,7 @@ def _rows(desk: Desk, control: Control, top: float, inner: float) -> list[Item]:
     return items
 
 
-_NAMED = (
+_DIRECTED = (
     "direction",
     "stress",
     "drift",
@@ -210,7 +213,6 @@ _NAMED = (
     "wrinkle_direction",
     "wrinkle_vectors",
     "relief_direction",
-    "wrinkle_curves",
 )
 
 

@@ -216,7 +216,10 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
         for key, name in _curve_names(layer).items():
             if name not in curves:
                 hint = nearest(name, curves) or "; [fields] has none"
-                raise located(("layer", i, key), RecipeError(f"curves {name!r} do not exist{hint}"))
+                what = f"curves {name!r} do not exist{hint}"
+                if name in numbers | directions:
+                    what = f"field {name!r} is a {'number' if name in numbers else 'direction'}, not curves"
+                raise located(("layer", i, key), RecipeError(what))
         places = {name for name, entry in recipe.fields_.items() if places_file(entry) is not None}
         for key, name in _place_names(layer).items():
             if name not in places:
@@ -224,11 +227,9 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
                 raise located(("layer", i, key), RecipeError(f"places {name!r} do not exist{hint}"))
         for key, name in _directions(layer).items():
             if name not in directions:
-                kind = (
-                    "is a number, not a direction"
-                    if name in numbers
-                    else f"does not exist{nearest(name, directions) or '; [fields] has none'}"
-                )
+                kind = f"does not exist{nearest(name, directions) or '; [fields] has none'}"
+                if name in numbers | curves:
+                    kind = f"is {'a number' if name in numbers else 'curves'}, not a direction"
                 what = RecipeError(f"field {name!r} {kind}")
                 raise located(("layer", i, key), what)
 

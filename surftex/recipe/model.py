@@ -49,7 +49,8 @@ class MeshSettings(Checked):
     )
     size: PositiveMillimetres | None = Field(
         default=None,
-        description='Length that the longest side is scaled to, such as "300 mm"; a bare number is mm. It overrules `units`.',
+        description='Length that the longest side is scaled to, such as "300 mm"; a bare number is mm. It overrules `units`. '
+        "With `part` it is the longest side of the whole file.",
     )
     part: StrictStr | None = Field(
         default=None, description="A material slot, a face group or a node of the file."

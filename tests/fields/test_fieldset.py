@@ -163,14 +163,20 @@ def test_as_many_fields_as_may_build_on_one_another_do():
 
 def test_directions_are_made_once_and_looked_up_by_name():
     made = []
-    fields = FieldSet(two_parts(), {"toe": 1.0}, {"grain": lambda: made.append(1) or "a direction"})
+    fields = FieldSet(
+        two_parts(), {"toe": 1.0}, {"grain": lambda: made.append(1) or "a direction"}, {"lines": list}
+    )
     assert not made
     assert fields.direction("grain") == fields.direction("grain") == "a direction"
     assert made == [1]
     with pytest.raises(RecipeError, match="unknown direction 'grian'; did you mean 'grain'"):
         fields.direction("grian")
-    with pytest.raises(RecipeError, match="is a number; directions"):
-        fields.direction("toe")
+    for name, kind in (("toe", "a number"), ("lines", "curves")):
+        with pytest.raises(RecipeError, match=f"field '{name}' is {kind}; directions"):
+            fields.direction(name)
+    for name, kind in (("toe", "a number"), ("grain", "a direction")):
+        with pytest.raises(RecipeError, match=f"field '{name}' is {kind}; curves"):
+            fields.curves(name)
 
 
 def test_part_names_are_told_when_wrong():

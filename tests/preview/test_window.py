@@ -96,6 +96,28 @@ def test_a_slider_of_the_window_changes_the_picture_and_undo_brings_it_back(wind
     assert len(desk.session.history) == 0
 
 
+def test_the_panel_offers_fields_of_the_right_kind(ball, tmp_path):
+    (tmp_path / "lines.json").write_text('{"strokes": [{"points": [[6, 0, 0], [0, 6, 0]]}]}')
+    fields = """[fields]
+    grain = { axis = [0, 0, 1] }
+    lines = { curves = "lines.json" }
+    wear = 0.5
+    """
+    shaped = Desk(
+        recipe_from_text(RECIPE.replace("[bake]", f"{fields}\n[bake]"), folder=tmp_path), ball, resolution=64
+    )
+    offered = {}
+    for group in shaped.groups:
+        shaped.choose(group=group)
+        for item in layout(shaped, 372, 4000):
+            if item.action[:2] == ("do", "set"):
+                offered.setdefault(item.action[2], []).append(item.text)
+    shaped.close()
+    assert offered["direction"] == offered["stress"] == ["grain"]
+    assert offered["wrinkle_curves"] == ["lines"]
+    assert all("wear" not in names for names in offered.values())
+
+
 def test_clicks_draw_strokes_and_cut_sections(window, tmp_path):
     desk = window.desk
     middle = (LEFT / 2, SIZE[1] / 2)

@@ -83,6 +83,21 @@ MISTAKES = [
         "shoe.toml:19: layer.direction: field 'grian' does not exist; did you mean grain?",
     ),
     ('"grain"', '"toe"', "shoe.toml:19: layer.direction: field 'toe' is a number, not a direction"),
+    (
+        "{ axis = [0, 0, 1] }",
+        '{ curves = "lines.json" }',
+        "shoe.toml:19: layer.direction: field 'grain' is curves, not a direction",
+    ),
+    (
+        "cell_ratio = 1.4",
+        'wrinkle_curves = "grain"',
+        "shoe.toml:18: layer.wrinkle_curves: field 'grain' is a direction, not curves",
+    ),
+    (
+        "cell_ratio = 1.4",
+        'wrinkle_curves = "toe"',
+        "shoe.toml:18: layer.wrinkle_curves: field 'toe' is a number, not curves",
+    ),
     ("convex", "konvex", "shoe.toml:10: fields.wear.curvature: 'konvex': should be 'convex' or 'concave'"),
     ("{ image", "{ imagge", "shoe.toml:11: fields.toe.imagge: unknown key; did you mean image?"),
     ("toe =", "max =", "shoe.toml:11: fields.max: 'max' cannot name a field"),
