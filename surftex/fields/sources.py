@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from surftex.errors import RecipeError
 from surftex.fields.noise import Noise
 from surftex.fields.spans import Pixels, Span, over_corners
+from surftex.surface.parts import chosen_faces
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -183,7 +184,7 @@ def part_field(surface: Surface, name: str) -> SpannedField:
     surface : Surface
         With named parts.
     name : str
-        One of ``surface.part_names``.
+        As `surftex.surface.parts.chosen_faces` looks it up: material slots first, then groups, then nodes.
 
     Returns
     -------
@@ -195,9 +196,7 @@ def part_field(surface: Surface, name: str) -> SpannedField:
     RecipeError
         If the mesh has no such part; with the names it has.
     """
-    if name not in surface.part_names:
-        raise RecipeError(f"the mesh has no part {name!r}; it has {', '.join(map(repr, surface.part_names))}")
-    on_part = (surface.part == surface.part_names.index(name)).astype(np.float64)
+    on_part = chosen_faces(surface.labels, name, "the mesh", error=RecipeError).astype(np.float64)
     return SpannedField(lambda points, footprint_mm=0.0: on_part[points.face], lambda: (on_part, on_part))
 
 

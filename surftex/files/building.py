@@ -3,13 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.files.parts import chosen_faces, part_labels
+from surftex.errors import MeshFileError
 from surftex.files.polygons import Polygons, check_face_count
+from surftex.files.reading import printable
 from surftex.files.scaling import mm_per_unit
+from surftex.surface.parts import chosen_faces, in_use, naming_kind
 from surftex.surface.repair import extent, repair
 from surftex.surface.surface import Surface
 from surftex.surface.triangulate import triangulate
-from surftex.words import by_count
+from surftex.words import by_count, sort_of
 
 _UV_ROUNDING = 1e-4
 
@@ -76,8 +78,10 @@ def surface_of(
         size=size,
     )
     warnings.extend(notes)
+    kind, selected = (naming_kind(polygons.labels) if polygons.labels else None), False
     if part is not None:
-        polygons = polygons.selected(chosen_faces(polygons, part, where))
+        chosen = _chosen(polygons, part, where)
+        polygons, selected = polygons.selected(chosen), not chosen.all()
         used[:] = False
         used[polygons.corner] = True
         places = polygons.vertices[used]
@@ -89,7 +93,8 @@ def surface_of(
     sizes = np.diff(polygons.start)
     check_face_count(int((sizes - 2).sum()), where)
     triangles, polygon = triangulate(points, corner, polygons.start)
-    labels, names = part_labels(polygons)
+    labels = {kind: in_use(*label) for kind, label in polygons.labels.items()}
+    label, names = labels[kind] if kind else (np.zeros(len(polygons.start) - 1, np.int32), ("surface",))
     uv = _own_uv(polygons, triangles, warnings)
     normal = None if polygons.normals is None else polygons.normals[triangles]
     mended = repair(
@@ -97,10 +102,10 @@ def surface_of(
         corner[triangles],
         corner_uv=uv,
         corner_normal=normal,
-        part=labels[polygon],
+        part=label[polygon],
         attributes={name: values[triangles] for name, values in polygons.attributes.items()},
     )
-    kept, given = (np.bincount(part, minlength=len(names)) for part in (mended.part, labels[polygon]))
+    kept, given = (np.bincount(part, minlength=len(names)) for part in (mended.part, label[polygon]))
     if lost := [
         name for name, now, before in zip(names, kept, given, strict=True) if before > 0 and now == 0
     ]:
@@ -116,6 +121,8 @@ def surface_of(
         corner_normal=mended.corner_normal,
         part=mended.part,
         part_names=names,
+        labels={kind: (index[polygon[mended.source_face]], names) for kind, (index, names) in labels.items()},
+        selected=selected,
         origin_mm=middle * scale,
         name=name,
         sha256=sha256,
@@ -123,6 +130,17 @@ def surface_of(
         warnings=tuple(warnings) + mended.warnings,
         attributes=mended.attributes,
     )
+
+
+def _chosen(polygons: Polygons, part: str, where: str) -> NDArray[np.bool_]:
+    """Find the polygons of a part, where the file names any."""
+    if not isinstance(part, str):
+        raise MeshFileError(f"{where}: part is {sort_of(part)}; it takes a name")
+    if not polygons.labels:
+        raise MeshFileError(
+            f"{where}: has no named parts, so there is no {printable(part, longest=60)!r}; leave the part out"
+        )
+    return chosen_faces(polygons.labels, part, f"{where}:", error=MeshFileError)
 
 
 LEAVES_PAGE = "the file's UVs leave 0..1"

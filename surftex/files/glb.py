@@ -124,7 +124,7 @@ def glb_bytes(
     used = [
         (int(part), int(page)) for part, page in np.unique(np.stack([surface.part, pages], axis=1), axis=0)
     ]
-    several = len({part for part, _ in used}) > 1
+    slot = surface.slot_names(name)
     primitives = [
         _primitive(
             buffer, surface, corner_uv if page == 0 else corner_uv - _origin(page), tangents,
@@ -140,7 +140,7 @@ def glb_bytes(
         number = str(page) if page else one
         suffix = f".{number}" if number else ""
         own = {role: textures[role + suffix] for role in TEXTURES if role + suffix in textures}
-        label = (surface.part_names[part] if several else name) + (f".{page}" if page else "")
+        label = slot[part] + (f".{page}" if page else "")
         document.materials.append(_material(label, own, occluded, (extras or {}).get(number)))
     if any(role.startswith("specular_color") for role in textures):
         document.extensionsUsed = ["KHR_materials_specular"]

@@ -139,24 +139,23 @@ def _describe(
     mesh = pxr.UsdGeom.Mesh.Define(stage, root.GetPath().AppendChild(own))
     _shape(pxr, mesh, surface, corner_uv, unit_mm)
 
-    used, taken = np.unique(surface.part).tolist(), {own}
+    slots, taken = surface.slot_names(name), {own}
     place = root.GetPath().AppendChild(own_identifier("materials", taken))
     pxr.UsdGeom.Scope.Define(stage, place)
     binding = pxr.UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
     networks, taken = [], set()
-    for part in used:
-        text = name if len(used) == 1 else surface.part_names[part]
+    for part, text in slots.items():
         label = own_identifier(text, taken)
         material = pxr.UsdShade.Material.Define(stage, place.AppendChild(label))
         material.GetPrim().SetDisplayName(text)
         networks.append((material, *_network(pxr, stage, material, pictures, 1 / unit_mm)))
-        if len(used) == 1:
+        if len(slots) == 1:
             binding.Bind(material)
             continue
         face = np.flatnonzero(surface.part == part).astype(np.int32)
         subset = binding.CreateMaterialBindSubset(label, _array(pxr.Vt.IntArray, face))
         pxr.UsdShade.MaterialBindingAPI.Apply(subset.GetPrim()).Bind(material)
-    if len(used) > 1:
+    if len(slots) > 1:
         binding.SetMaterialBindSubsetsFamilyType(pxr.UsdGeom.Tokens.partition)
     _show_relief(pxr, root.GetPrim(), networks)
 

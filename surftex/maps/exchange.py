@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from surftex.errors import InputError, WorkError
 from surftex.maps.encode import file_name
 
@@ -71,8 +69,7 @@ def write_exchange(maps: "MapSet", folder: Path, *, materialx: bool = False, usd
     if materialx:
         from surftex.files.materialx import materialx_bytes
 
-        used = np.unique(maps.surface.part).tolist()
-        parts = [maps.surface.part_names[part] for part in used] if len(used) > 1 else [maps.stem]
+        parts = list(maps.surface.slot_names(maps.stem).values())
         paged = any("." in name for name in maps)
         data = materialx_bytes(pictures, parts, name=maps.stem, tiles=maps.atlas.tiles if paged else ())
         try:

@@ -165,6 +165,7 @@ def _cut(surface: Surface, face: NDArray[np.int64]) -> Surface | None:
         mended = repair(surface.vertices[vertex], corner.reshape(-1, 3))
         piece = Surface.from_arrays(
             mended.vertices, mended.faces, part=surface.part[face], part_names=surface.part_names,
+            labels={kind: (index[face], names) for kind, (index, names) in surface.labels.items()},
             origin_mm=surface.origin_mm, mm_per_unit=surface.mm_per_unit, name=surface.name,
         )  # fmt: skip
     except InputError:

@@ -90,7 +90,7 @@ class DistanceEntry(Checked):
 
 
 class PartEntry(Checked):
-    """1 on a part of the mesh, 0 elsewhere."""
+    """1 on a part of the mesh (a material slot, a group or a node of the file), 0 elsewhere."""
 
     part: StrictStr
 

@@ -73,6 +73,8 @@ class Bodies:
             part=whole.part[face], part_names=whole.part_names, origin_mm=whole.origin_mm, name=whole.name,
             sha256=whole.sha256, mm_per_unit=whole.mm_per_unit,
             attributes={name: values[face] for name, values in whole.attributes.items()},
+            labels={kind: (index[face], names) for kind, (index, names) in whole.labels.items()},
+            selected=whole.selected,
         )  # fmt: skip
         number = tuple(np.flatnonzero(kept).tolist())
         return Bodies(whole, surface, number, frozen(face), frozen(vertex.astype(np.int64)), frozen(own))

@@ -20,6 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from surftex.arrays import checked, frozen
 from surftex.errors import SurfaceError
+from surftex.surface.parts import Labels
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,11 @@ class Surface:
         Index into `part_names` for each face.
     part_names : tuple of str
         Material slots, groups or nodes of the file.
+    labels : mapping of str to ((m,) int32, tuple of str)
+        All names that the file has for its faces, by kind ("material", "group", "node"): an index for each face, and
+        the names; `part` and `part_names` are one of them.
+    selected : bool
+        Whether it is a part of its file.
     origin_mm : (3,) float64
         Where the file has the point that `vertices` counts from.
     name : str
@@ -68,6 +74,8 @@ class Surface:
     neighbor: NDArray[np.int32]
     neighbor_edge: NDArray[np.int32]
     attributes: Mapping[str, NDArray[np.float64]] = field(default_factory=lambda: MappingProxyType({}))
+    labels: Labels = field(default_factory=lambda: MappingProxyType({}))
+    selected: bool = False
 
     def __repr__(self) -> str:
         return (
@@ -90,6 +98,8 @@ class Surface:
         mm_per_unit: float = 1.0,
         warnings: tuple[str, ...] = (),
         attributes: Mapping[str, ArrayLike] | None = None,
+        labels: Labels | None = None,
+        selected: bool = False,
     ) -> "Surface":
         """Check the arrays, glue the faces, freeze all.
 
@@ -119,6 +129,10 @@ class Surface:
             What loading mended.
         attributes : mapping of str to (m, 3) or (m, 3, k) float, optional
             Numbers at the corners of the faces.
+        labels : mapping of str to ((m,) int, tuple of str), optional
+            All names of the faces, by kind; those of the parts without it.
+        selected : bool
+            Whether it is a part of its file.
 
         Returns
         -------
@@ -173,12 +187,18 @@ class Surface:
             attributes=MappingProxyType(
                 {name: _corner_numbers(name, value, count) for name, value in (attributes or {}).items()}
             ),
+            selected=selected,
         )
         if surface.part.min() < 0 or surface.part.max() >= len(surface.part_names):
             raise SurfaceError(
                 f"part runs from {surface.part.min()} to {surface.part.max()}, but there are "
                 f"{len(surface.part_names)} part names"
             )
+        named = {
+            kind: (frozen(checked(index, kind, (count,), np.int32, error=SurfaceError).copy()), names)
+            for kind, (index, names) in (labels or {"part": (surface.part, surface.part_names)}).items()
+        }
+        surface = replace(surface, labels=MappingProxyType(named))
         flat = np.flatnonzero(~(surface.face_area_mm2 > 0))
         if len(flat):
             raise SurfaceError(
@@ -226,6 +246,24 @@ class Surface:
                 array = np.repeat(array[:, None], 3, axis=1)
             hung[name] = _corner_numbers(name, array, len(self.faces))
         return replace(self, attributes=MappingProxyType(hung))
+
+    def slot_names(self, stem: str) -> dict[int, str]:
+        """Name the materials of a result as the file does.
+
+        Parameters
+        ----------
+        stem : str
+            What the only one is called, where the surface is the whole file.
+
+        Returns
+        -------
+        names : dict of int to str
+            For each part that has faces, ascending.
+        """
+        used = np.unique(self.part).tolist()
+        if len(used) == 1 and not self.selected:
+            return {used[0]: stem}
+        return {part: self.part_names[part] for part in used}
 
     @cached_property
     def edge_length(self) -> NDArray[np.float64]:

@@ -37,6 +37,14 @@ def parted_ball(origin_mm=(1.0, 2.0, 3.0)):
     return Surface.from_arrays(ball.vertices, ball.faces, part=part, part_names=names, origin_mm=origin_mm)
 
 
+def test_one_part_of_a_file_keeps_its_name_and_a_whole_file_of_one_is_called_by_its_stem():
+    for selected, name in ((False, "shoe"), (True, "sole")):
+        ball = sphere(20.0, subdivisions=2)
+        surface = Surface.from_arrays(ball.vertices, ball.faces, part_names=("sole",), selected=selected)
+        document = pygltflib.GLTF2.load_from_bytes(packed(surface, name="shoe")[0])
+        assert [material.name for material in document.materials] == [name]
+
+
 def faceted():
     """More corners than 16 bits can number, each a vertex of its own."""
     ring = torus(columns=150, rows=120)

@@ -8,8 +8,10 @@ import pytest
 
 import surftex
 from surftex.errors import InputError, MeshFileError, RecipeError
+from surftex.fields.sources import part_field
 from surftex.files.meshes import load
 from surftex.files.scaling import named_unit
+from surftex.surface.bodies import Bodies
 from tests.files.bad_inputs import ball, document, glb, glb_of, gltf, obj, off, ply, sheet, stl, stl_text
 
 
@@ -325,6 +327,57 @@ def test_gltf_nodes_are_placed_and_named(tmp_path):
     far = load(path, part="far")
     assert (far.vertices + far.origin_mm).min(0) == pytest.approx([3000, -2000, 3000])
     assert (far.vertices + far.origin_mm).max(0) == pytest.approx([5000, 0, 3000])
+
+
+def _stool():
+    """Three nodes of two materials, of which one is called as a node of the other is."""
+    v, f = sheet()
+    doc, binary = document(v, f)
+    attributes = doc["meshes"][0]["primitives"][0]
+    doc["meshes"] = [{"primitives": [attributes | {"material": k}]} for k in (0, 1)]
+    doc["materials"] = [{"name": "Leder braun"}, {"name": "back"}]
+    names = (("Seat pad", 0), ("back", 0), ("leg", 1))
+    doc["nodes"] = [{"mesh": k, "name": name, "translation": [0, 0, i]} for i, (name, k) in enumerate(names)]
+    doc["scenes"] = [{"nodes": [0, 1, 2]}]
+    return glb_of(doc, binary)
+
+
+def test_a_chosen_part_keeps_the_names_that_the_whole_file_has(tmp_path):
+    path = saved(tmp_path, "stool.glb", _stool())
+    whole = load(path)
+    assert whole.part_names == ("Leder braun", "back")
+    assert whole.slot_names("stem") == {0: "Leder braun", 1: "back"}
+    for part in ("Leder braun", "Seat pad"):
+        chosen = load(path, part=part)
+        assert chosen.part_names == ("Leder braun",)
+        assert chosen.slot_names("stem") == {0: "Leder braun"}
+    one = load(saved(tmp_path, "one.glb", glb(*sheet(), materials=[{"name": "calf"}])))
+    assert one.slot_names("stem") == {0: "stem"}
+
+
+def test_fields_find_parts_as_loading_does(tmp_path):
+    path = saved(tmp_path, "stool.glb", _stool())
+    whole = load(path)
+    for name in ("Leder braun", "leder BRAUN", "leder", "Seat pad", "pad", "back", "leg"):
+        chosen = part_field(whole, name).span()[0]
+        part = load(path, part=name)
+        place = whole.vertices[whole.faces[chosen > 0]] + whole.origin_mm
+        np.testing.assert_allclose(np.unique(place), np.unique(part.vertices + part.origin_mm), atol=1e-9)
+    assert (
+        part_field(whole, "back").span()[0].tolist() == (whole.part == 1).tolist()
+    )  # the material, not the node
+    leather = load(path, part="Leder braun")
+    assert part_field(leather, "Leder braun").span()[0].all()
+    assert part_field(leather, "Seat pad").span()[0].mean() == 0.5
+    with pytest.raises(
+        RecipeError, match="the mesh has no part 'leg'; it has 'Leder braun', 'Seat pad', 'back'"
+    ):
+        part_field(leather, "leg")
+    body = Bodies.of(whole, np.arange(3) == whole.component[part_field(whole, "Seat pad").span()[0] > 0][0])
+    assert part_field(body.surface, "Seat pad").span()[0].all()
+    assert not part_field(body.surface, "leg").span()[0].any()
+    with pytest.raises(RecipeError, match="has several parts that 'a' fits: 'Leder braun', 'back'; write"):
+        part_field(whole, "a")
 
 
 @pytest.mark.parametrize("mode", [5, 6])
