@@ -175,6 +175,7 @@ def _bake(
     subject: Any, recipe: Recipe, features: Any, threads: int | None, tile: int | None, stages: Stages,
     *, remember: bool, growth: "Growth | None",
 ) -> "Baked":  # fmt: skip
+    from surftex.bake.advising import foretell_sizes, foretell_time
     from surftex.bake.displacing import Baked
     from surftex.bake.fields import make_fields
     from surftex.bake.growing import ground_key, grown_on
@@ -194,10 +195,14 @@ def _bake(
     settings = recipe.bake
     with stages.stage("load"):
         surface = _surface(subject, recipe)
+        stages.warn(
+            *(each for each in surface.warnings if not (settings.udim and each.startswith(LEAVES_PAGE)))
+        )
         given = _features(features, settings.max_features)
         untold: tuple[str, ...] = ()
         if isinstance(features, (str, os.PathLike)):
             recipe, untold = start_from(Path(features), recipe, surface)
+            stages.warn(*untold)
         fields = make_fields(recipe, surface)
         if isinstance(features, (str, os.PathLike)):
             refuse_uncovered(Path(features), recipe, surface, fields)
@@ -206,10 +211,18 @@ def _bake(
             begun = growth.begun(recipe, ground_key(surface, grown_on(recipe, surface, fields)))
     key = features_key(recipe, surface) if remember and given is None and growth is None else None
     with Unwrapping(surface, settings, stages, threads, remember=remember) as unwrapping:
+        own = unwrapping.own
+        loaded = surface.warnings
+        if settings.udim and own is not None:
+            loaded = tuple(each for each in loaded if not each.startswith(LEAVES_PAGE))
+        stages.warn(*loaded, *unwrapping.notes, *(own.notes if own is not None else ()))
+        foretold = foretell_sizes(recipe, surface, own, stages)
         with stages.stage("place") as tick:
             known = given if key is None else remembered_features(key)
             if given is None and known is not None:
                 refuse_too_many(recipe, foresee(recipe, surface, fields))
+            if known is None and not begun:
+                foretell_time(recipe, surface, fields, own, threads, stages)
             options: Any = {"features": known, "begun": begun, "threads": threads}
             if growth is None:
                 stack = place_stack(recipe, surface, fields, tick=tick, **options)
@@ -218,8 +231,14 @@ def _bake(
                     stack = place_stack(recipe, surface, fields, tick=tick, **options)
         if key is not None and known is None:
             remember_features(key, stack.features)
+        stages.warn(*stack.warnings)
         maps = chosen_maps(stack, settings.maps)
         atlas = unwrapping.atlas()
+    side = settings.resolution
+    fits = size_warnings(recipe, surface.longest_side_mm, atlas.texels_per_mm(surface, side), side)
+    stages.warned.update(text for layer, text in fits.items() if layer in foretold)
+    paged = (*atlas.notes, *fits.values(), *_grey(settings, atlas), *_one_tile(settings, atlas))
+    stages.warn(*paged)
     with stages.stage("bake") as tick:
         pages = bake_pages(
             surface, atlas, stack, settings.resolution, maps,
@@ -233,22 +252,8 @@ def _bake(
         seam = measured_seams(surface, atlas, pages)
     with stages.stage("scales"):
         scales = scale_report(surface, recipe, features=stack.features)
-    loaded = surface.warnings
-    if settings.udim and unwrapping.own is not None:
-        loaded = tuple(each for each in loaded if not each.startswith(LEAVES_PAGE))
-    side = settings.resolution
-    fits = size_warnings(recipe, surface.longest_side_mm, atlas.texels_per_mm(surface, side), side)
-    warnings = (
-        loaded
-        + untold
-        + unwrapping.notes
-        + atlas.notes
-        + fits
-        + _grey(settings, atlas)
-        + _one_tile(settings, atlas)
-        + stack.warnings
-        + clamped_warnings(pages, stack)
-    )
+    warnings = loaded + untold + unwrapping.notes + paged + stack.warnings + clamped_warnings(pages, stack)
+    stages.warn(*warnings)
     report = make_report(surface, recipe, stack, atlas, pages, seam, scales, stages, warnings)
     if moved:
         report["equalised"] = moved

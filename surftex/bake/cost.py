@@ -102,7 +102,7 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
         {
             "kind": kind,
             "mm": round(wide_mm, 4),
-            "resolution": side_for(wide_mm, _density(surface, 1)),
+            "resolution": side_for(wide_mm, foreseen_density(surface, 1)),
             "texels_per_mm": density_for(wide_mm),
         }
         for kind, wide_mm in dict.fromkeys([(made_of, size_mm), finest or (None, None)])
@@ -115,8 +115,10 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
         pages.append(
             {
                 "resolution": side,
-                "texels_per_mm": round(_density(surface, side), 4),
-                "texels_per_cell": None if size_mm is None else round(_density(surface, side) * size_mm, 3),
+                "texels_per_mm": round(foreseen_density(surface, side), 4),
+                "texels_per_cell": None
+                if size_mm is None
+                else round(foreseen_density(surface, side) * size_mm, 3),
                 "seconds": round(alone + shared / threads, 1),
                 "cpu_s": round(alone + shared, 1),
                 "memory_mb": _memory_mb(faces, work, side),
@@ -124,7 +126,7 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
             }
         )
     side = recipe.bake.resolution
-    warnings = size_warnings(recipe, surface.longest_side_mm, _density(surface, side), side)
+    warnings = size_warnings(recipe, surface.longest_side_mm, foreseen_density(surface, side), side)
     return {
         "material": material,
         "cells": _cells(placed),
@@ -139,8 +141,36 @@ def bake_cost(surface: Surface, material: str = "calf", recipe: Recipe | None = 
         "threads": threads,
         "max_features": recipe.bake.max_features,
         "pages": pages,
-        "warnings": list(warnings),
+        "warnings": list(warnings.values()),
     }
+
+
+def bake_seconds(
+    recipe: Recipe, surface: Surface, foreseen: list[Foreseen], *, tiles: int = 1, threads: int | None = None
+) -> float:
+    """Estimate the wall time of a bake where nothing else runs.
+
+    Parameters
+    ----------
+    recipe : Recipe
+        What would be baked.
+    surface : Surface
+        Where.
+    foreseen : list of Foreseen
+        From `surftex.bake.limits.foresee`.
+    tiles : int
+        Pages that the unwrap takes.
+    threads : int, optional
+        None means every core.
+
+    Returns
+    -------
+    seconds : float
+        Within a factor of two or so.
+    """
+    work, texels = _work(recipe, foreseen), _texels(recipe, foreseen, surface.area_mm2)
+    alone, shared = _cpu_s(len(surface.faces), work, texels, recipe.bake.resolution, tiles)
+    return alone + shared / thread_count(threads)
 
 
 def _foreseen(recipe: Recipe, surface: Surface) -> list[Foreseen]:
@@ -267,7 +297,21 @@ def _foreseen_tiles(recipe: Recipe, surface: Surface) -> int:
     return len(Atlas.of(surface, surface.corner_uv).tiles) if own and surface.corner_uv is not None else 1
 
 
-def _density(surface: Surface, side: int) -> float:
+def foreseen_density(surface: Surface, side: int) -> float:
+    """Estimate the density of a page, as unwraps come out.
+
+    Parameters
+    ----------
+    surface : Surface
+        What would be unwrapped.
+    side : int
+        Of the page in texels.
+
+    Returns
+    -------
+    texels_per_mm : float
+        Along the surface.
+    """
     return side * (COVERAGE / surface.area_mm2) ** 0.5
 
 

@@ -25,7 +25,9 @@ _NEARLY = 0.9
 _RESOLUTIONS = (256, 512, 1024, 2048, 4096, 8192)
 
 
-def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resolution: int) -> tuple[str, ...]:
+def size_warnings(
+    recipe: Recipe, size_mm: float, texels_per_mm: float, resolution: int, *, about: bool = False
+) -> dict[int, str]:
     """Warn of what each layer is made of first, such as its cells, where it fits neither the mesh nor the texels.
 
     Parameters
@@ -38,20 +40,22 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
         Density of the page.
     resolution : int
         Side of the page in texels.
+    about : bool
+        Whether the density is an estimate, and is told as one.
 
     Returns
     -------
-    warnings : tuple of str
-        Each says what would do.
+    warnings : dict of int to str
+        What would do, for each layer that does not fit; layers count from 0.
     """
-    found = []
+    found = {}
     for i, layer in enumerate(recipe.layer):
         known = getattr(layer.material, "wavelengths_mm", dict)()
         kind, wide_mm = next(iter(known.items()), ("", 0.0))
         label = f"layer[{i + 1}]: " if len(recipe.layer) > 1 else ""
         texels = wide_mm * texels_per_mm
         if wide_mm > size_mm:
-            found.append(
+            found[i] = (
                 f"{label}{kind} of {plain(wide_mm, 4)} mm are larger than the mesh, whose longest side is "
                 f"{plain(size_mm, 4)} mm; is a unit wrong? units and size (--units, --size) scale the mesh"
             )
@@ -64,11 +68,11 @@ def size_warnings(recipe: Recipe, size_mm: float, texels_per_mm: float, resoluti
             density = density_for(wide_mm)
             would = [] if side is None else [f"a resolution of {side}"]
             would.append(f"udim with texels_per_mm = {density:g} (--udim --texels-per-mm {density:g})")
-            found.append(
-                f"{label}{kind} of {plain(wide_mm, 4)} mm are {texels:.3g} texels wide at {resolution}, too few to be seen "
-                f"well; {' or '.join(would)} would do"
+            found[i] = (
+                f"{label}{kind} of {plain(wide_mm, 4)} mm are {'about ' if about else ''}{texels:.3g} texels wide at "
+                f"{resolution}, too few to be seen well; {' or '.join(would)} would do"
             )
-    return tuple(found)
+    return found
 
 
 def finest_kind(recipe: Recipe) -> tuple[str, float] | None:

@@ -50,11 +50,14 @@ class Stages:
         Who watches.
     done : list of dict
         ``name``, ``wall_s`` and ``cpu_s`` of each finished stage, in the order of their ends.
+    warned : set of str
+        Warnings that have been told.
     """
 
     progress: Progress | None = None
     done: list[dict[str, str | float]] = field(default_factory=list)
     started: float = field(default_factory=time.perf_counter)
+    warned: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         if self.progress is not None and not callable(self.progress):
@@ -101,6 +104,36 @@ class Stages:
         tell = getattr(self.progress, "detail", None)
         if tell is not None:
             tell(name, text)
+
+    @property
+    def has_listener(self) -> bool:
+        """Whether who watches has a method `say`."""
+        return hasattr(self.progress, "say")
+
+    def say(self, line: str) -> None:
+        """Pass a line on, where who watches has a method `say`.
+
+        Parameters
+        ----------
+        line : str
+            To be read at once.
+        """
+        tell = getattr(self.progress, "say", None)
+        if tell is not None:
+            tell(line)
+
+    def warn(self, *warnings: str) -> None:
+        """Tell warnings as soon as they are known, each once.
+
+        Parameters
+        ----------
+        *warnings : str
+            Those that were told before are passed over.
+        """
+        for warning in warnings:
+            if warning not in self.warned:
+                self.warned.add(warning)
+                self.say(f"warning: {warning}")
 
     def tell(self, name: str, share: float) -> None:
         """Pass a share on.

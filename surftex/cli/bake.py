@@ -52,11 +52,8 @@ def run(options: Namespace) -> None:
         paths = save(baked, folder, more=more, overwrite=options.overwrite, threads=threads, progress=watch)
     store.mark_warm()
     report = json.loads((folder / "report.json").read_text("utf-8"))
-    if not options.quiet:
-        for warning in report["warnings"]:
-            note(f"warning: {warning}")
-        if report["scales"]["note"]:
-            note(f"note: {report['scales']['note']}")
+    if not options.quiet and report["scales"]["note"]:
+        note(f"note: {report['scales']['note']}")
     if options.json:
         out(json.dumps(report, indent=1, ensure_ascii=False))
     elif not options.quiet:

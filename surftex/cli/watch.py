@@ -45,7 +45,7 @@ class Watch:
     """
 
     def __init__(self, *, quiet: bool = False, verbose: bool = False) -> None:
-        self.verbose = verbose and not quiet
+        self.quiet, self.verbose = quiet, verbose and not quiet
         self.bar: Any = None
         self.tasks: dict[str, Any] = {}
         self.started: dict[str, float] = {}
@@ -84,6 +84,17 @@ class Watch:
         self.details[stage] = text
         if self.bar is not None and stage in self.tasks:
             self.bar.update(self.tasks[stage], description=f"{TITLES.get(stage, stage)}: {text}")
+
+    def say(self, line: str) -> None:
+        """Print a line at once, unless nothing is to be shown.
+
+        Parameters
+        ----------
+        line : str
+            Such as a warning.
+        """
+        if not self.quiet:
+            note(line)
 
     def __call__(self, stage: str, share: float) -> None:
         """Show the share of a stage.
