@@ -4,7 +4,7 @@ Which bodies those are follows from the spans of the mask alone: one is left out
 mask to be 0 on every face of it, whatever is asked there later.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from surftex.materials.layers import CHANNELS, Layers, Pattern, Reshaping
 from surftex.surface.bodies import Bodies
 from surftex.surface.points import Samples, SurfacePoints
 from surftex.surface.surface import Surface
+from surftex.words import by_count
 
 Features = Mapping[str, NDArray]
 
@@ -116,6 +117,35 @@ def fields_on(bodies: Bodies, fields: FieldSet) -> FieldSet:
     )
 
 
+def drawn_elsewhere(bodies: Bodies, fields: FieldSet, curves: Iterable[str]) -> tuple[str, ...]:
+    """Tell of curves that were drawn where a layer does not lie.
+
+    Parameters
+    ----------
+    bodies : Bodies
+        Where it lies.
+    fields : FieldSet
+        Of the whole.
+    curves : iterable of str
+        Names of those that the layer draws.
+
+    Returns
+    -------
+    warnings : tuple of str
+        A line for each name of which some are lost.
+    """
+    said = []
+    for name in curves:
+        table = fields.curves(name)
+        every = len(np.unique(table["curve"]))
+        lost = len(np.unique(table["curve"][bodies.own[table["face"]] < 0]))
+        if lost:
+            strokes = by_count(every, "{} stroke", "{} strokes")
+            lie = "lies on a body" if lost == 1 else "lie on bodies"
+            said.append(f"{lost} of {strokes} of {name!r} {lie} that this layer does not cover")
+    return tuple(said)
+
+
 @dataclass(frozen=True, eq=False)
 class OnBodies:
     """A pattern that lies on some bodies of a surface, and answers on all of it: 0 elsewhere, where nothing of it is seen.
@@ -128,14 +158,17 @@ class OnBodies:
         Placed on ``bodies.surface``.
     features : mapping of str to structured array
         What was placed, by kind, with the faces of the whole.
+    lost : tuple of str
+        What was drawn for it on other bodies, a line each.
     """
 
     bodies: Bodies
     pattern: Pattern
     features: Features
+    lost: tuple[str, ...] = ()
 
     @staticmethod
-    def of(bodies: Bodies, pattern: Pattern) -> "OnBodies":
+    def of(bodies: Bodies, pattern: Pattern, lost: tuple[str, ...] = ()) -> "OnBodies":
         """Make one that can be reshaped where the pattern can.
 
         Parameters
@@ -144,6 +177,8 @@ class OnBodies:
             Where it lies.
         pattern : Pattern
             Placed on ``bodies.surface``.
+        lost : tuple of str
+            What was drawn for it on other bodies.
 
         Returns
         -------
@@ -151,7 +186,7 @@ class OnBodies:
             On the whole.
         """
         kind = ReshapingOnBodies if isinstance(pattern, Reshaping) else OnBodies
-        return kind(bodies, pattern, bodies.rows_there(pattern.features))
+        return kind(bodies, pattern, bodies.rows_there(pattern.features), lost)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -160,8 +195,8 @@ class OnBodies:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the pattern says of itself."""
-        return getattr(self.pattern, "warnings", ())
+        """What the pattern says of itself, and what of it is lost."""
+        return self.lost + getattr(self.pattern, "warnings", ())
 
     @property
     def ranges(self) -> Mapping[str, tuple[float, float]]:

@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.bake.covered import BodiesTick, OnBodies, Uncovered, covered_bodies, fields_on, holding, mask_on
+from surftex.bake.covered import (
+    BodiesTick,
+    OnBodies,
+    Uncovered,
+    covered_bodies,
+    drawn_elsewhere,
+    fields_on,
+    holding,
+    mask_on,
+)
 from surftex.bake.locating import located
 from surftex.errors import InputError, RecipeError
 from surftex.fields.fieldset import FieldSet
@@ -16,6 +25,7 @@ from surftex.fields.sources import Field
 from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.layers import CHANNELS, Pattern
 from surftex.randomness import stream
+from surftex.recipe.layer import curve_names
 from surftex.recipe.model import Recipe
 from surftex.surface.bodies import Bodies
 from surftex.surface.points import Samples
@@ -319,7 +329,7 @@ def place_layer(
             "recipe?"
         ) from None
     if bodies is not None:
-        pattern = OnBodies.of(bodies, pattern)
+        pattern = OnBodies.of(bodies, pattern, drawn_elsewhere(bodies, fields, curve_names(layer).values()))
     return pattern, mask_on(pattern, fields, layer.mask)
 
 

@@ -176,6 +176,26 @@ class Layer(Checked):
         return {"material": self.kind, **preset, "mask": self.mask, **parameters}
 
 
+def curve_names(layer: Layer) -> dict[str, str]:
+    """List the curves that a layer draws.
+
+    Parameters
+    ----------
+    layer : Layer
+        Of a recipe.
+
+    Returns
+    -------
+    names : dict of str to str
+        By the parameters that name them, which all end so.
+    """
+    return {
+        key: value
+        for key in type(layer.material).model_fields
+        if key.endswith("_curves") and isinstance(value := getattr(layer.material, key), str)
+    }
+
+
 def at_key(key: str, problem: str) -> PydanticCustomError:
     """Make a validation error that knows which key of its table it means.
 

@@ -9,7 +9,7 @@ from surftex.errors import RecipeError
 from surftex.materials.checked import in_one_line, told
 from surftex.materials.hints import nearest
 from surftex.recipe.fields import CURVES, DIRECTIONS, KINDS, expression_of, places_file
-from surftex.recipe.layer import Layer, material_class, plain_types, preset_material
+from surftex.recipe.layer import Layer, curve_names, material_class, plain_types, preset_material
 from surftex.recipe.lines import Path
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
                 _checked_expression(text, numbers, directions, curves)
             except RecipeError as problem:
                 raise located(("layer", i, key), problem) from None
-        for key, name in _curve_names(layer).items():
+        for key, name in curve_names(layer).items():
             if name not in curves:
                 hint = nearest(name, curves) or "; [fields] has none"
                 what = f"curves {name!r} do not exist{hint}"
@@ -266,15 +266,6 @@ def _expressions(layer: Layer) -> dict[str, str]:
         if isinstance(value, str) and float in plain_types(field.annotation):
             found[key] = value
     return found
-
-
-def _curve_names(layer: Layer) -> dict[str, str]:
-    """Parameters that name curves: those whose name ends so."""
-    return {
-        key: value
-        for key in type(layer.material).model_fields
-        if key.endswith("_curves") and isinstance(value := getattr(layer.material, key), str)
-    }
 
 
 def _place_names(layer: Layer) -> dict[str, str]:

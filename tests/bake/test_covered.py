@@ -53,7 +53,8 @@ def recipe(mask, preset="crocodile", fields="", **keys):
     return recipe_from_text(
         f'surftex = 1\nseed = 5\n[fields]\n{fields}\n[[layer]]\nmaterial = "leather"\npreset = "calf"\n'
         f'cell_size = "4 mm"\npore_density = 0\n[[layer]]\npreset = "{preset}"\n{ALONE[preset]}\n'
-        f"mask = {json.dumps(mask)}\n{more}"
+        f"mask = {json.dumps(mask)}\n{more}",
+        allow_outside=True,
     )
 
 
@@ -201,6 +202,23 @@ def test_curves_on_other_bodies_are_left_out_and_the_rest_numbered_anew():
     found = Bodies.of(WHOLE, np.arange(3) == NUMBER["b"]).curves_here(table)
     assert found["curve"].tolist() == [0, 0, 1, 1]
     assert found["face"].tolist() == [0, 1, 0, 1]
+
+
+@pytest.mark.parametrize("preset", ["crocodile", "even", "skin"])
+def test_strokes_on_bodies_that_a_layer_does_not_cover_are_told(tmp_path, preset):
+    strokes = [[[x, 0, 9], [x, 3, 8]] for x in (2, -2)] + [[[30, 0, 6], [30, 3, 5]]]
+    (tmp_path / "lines.json").write_text(json.dumps({"strokes": strokes}))
+    lines = f'lines = {{ curves = "{tmp_path}/lines.json" }}'
+    for mask, says in (
+        ("part('b')", ["2 of 3 strokes of 'lines' lie on bodies"]),
+        ("part('c')", ["3 of 3 strokes of 'lines' lie on bodies"]),
+        ("part('a')", ["1 of 3 strokes of 'lines' lies on a body"]),
+        ("part('a') + part('b')", []),
+    ):
+        made = recipe(mask, preset, lines, wrinkle_curves="lines")
+        stack = place_stack(made, WHOLE, make_fields(made, WHOLE))
+        told = [text for text in stack.warnings if "strokes" in text]
+        assert told == [f"layer[2]: {text} that this layer does not cover" for text in says]
 
 
 def test_no_rounding_shows_a_layer_where_it_does_not_lie():
