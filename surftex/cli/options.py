@@ -199,7 +199,7 @@ def _bake(parser: Parser) -> None:
     parser.add_argument(
         "--displaced-format",
         choices=["glb", "obj", "ply", "stl"],
-        help="of the displaced mesh (default: glb)",
+        help="of the displaced mesh: glb in metres, the others in millimetres (default: glb)",
     )
     _exchange(parser)
     parser.add_argument(

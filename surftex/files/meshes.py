@@ -18,7 +18,7 @@ from surftex.files.off import read_off
 from surftex.files.ply import read_ply
 from surftex.files.polygons import Polygons
 from surftex.files.reading import printable, read_bytes
-from surftex.files.scaling import named_unit
+from surftex.files.scaling import is_own, named_unit
 from surftex.files.stl import read_stl
 from surftex.surface.surface import Surface
 
@@ -40,9 +40,9 @@ def load(
     path : path
         Of an OBJ, PLY, STL, OFF, GLB or glTF file.
     units : str, optional
-        What a unit of the file is: "mm", "cm", "m" or "in". Without it metres for glTF; for other formats, with
-        a warning, what comments at the head of the file name, or the one of m, cm and mm that puts the longest side
-        nearest to 300 mm by ratio, if that lies between 20 mm and 5 m.
+        What a unit of the file is: "mm", "cm", "m" or "in". Without it metres for glTF, and millimetres for what surftex
+        has written. For other files, with a warning, what comments at the head of the file name, or the one of m, cm and
+        mm that puts the longest side nearest to 300 mm by ratio, if that lies between 20 mm and 5 m.
     size : str or float, optional
         Length of the longest side of the whole file, such as "300 mm"; overrules `units`.
     part : str, optional
@@ -74,6 +74,8 @@ def load(
     try:
         with np.errstate(over="ignore", invalid="ignore"):
             polygons = read_polygons(data, suffix, shown, Path(path).parent)
+        if polygons.mm_per_unit is None and is_own(data):
+            polygons.mm_per_unit = 1.0
         polygons.named_unit = named_unit(data)
         name = "".join(c if c.isprintable() else "_" for c in Path(path).stem)
         digest = hashlib.sha256(data).hexdigest()

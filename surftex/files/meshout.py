@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surftex.arrays import equal_rows
 from surftex.errors import InputError, WorkError
+from surftex.files.scaling import OWN_COMMENT
 
 SUFFIXES = (".obj", ".ply", ".stl", ".glb")
 """Formats that `write_mesh` knows."""
@@ -70,13 +71,13 @@ def _stl(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> bytes:
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     rows["normal"] = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
-    return b"surftex, millimetres".ljust(80) + len(faces).to_bytes(4, "little") + rows.tobytes()
+    return OWN_COMMENT.encode().ljust(80) + len(faces).to_bytes(4, "little") + rows.tobytes()
 
 
 def _ply(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> bytes:
     """Pack binary PLY."""
     header = (
-        "ply\nformat binary_little_endian 1.0\ncomment surftex, millimetres\n"
+        f"ply\nformat binary_little_endian 1.0\ncomment {OWN_COMMENT}\n"
         f"element vertex {len(vertices)}\n"
         "property float x\nproperty float y\nproperty float z\n"
         f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
@@ -90,7 +91,7 @@ def _obj(
     vertices: NDArray[np.float64], faces: NDArray[np.int32], corner_uv: NDArray[np.float64] | None
 ) -> bytes:
     """Pack OBJ text, to a tenth of a micrometre."""
-    parts = ["# surftex, millimetres\n", _lines("v %.4f %.4f %.4f\n", vertices)]
+    parts = [f"# {OWN_COMMENT}\n", _lines("v %.4f %.4f %.4f\n", vertices)]
     if corner_uv is None:
         parts.append(_lines("f %d %d %d\n", faces + 1))
     else:

@@ -18,6 +18,27 @@ _OVERRULE = "(units or size overrules this; --units, --size)"
 _WORDS = {"mm": rb"millimet(er|re)s", "cm": rb"centimet(er|re)s", "m": rb"met(er|re)s", "in": rb"inches"}
 
 
+OWN_COMMENT = "surftex, millimetres"
+"""What surftex writes at the head of an OBJ, PLY or STL file of its own."""
+
+
+def is_own(data: bytes) -> bool:
+    """Tell whether surftex has written a mesh file, in millimetres.
+
+    Parameters
+    ----------
+    data : bytes
+        Of an OBJ, PLY, OFF or STL file.
+
+    Returns
+    -------
+    own : bool
+        Whether a comment at its head, or the header of a binary STL, is `OWN_COMMENT`.
+    """
+    own, said = OWN_COMMENT.encode(), {line.strip() for line in data[:2048].splitlines()}
+    return data[:80].rstrip() == own or not said.isdisjoint((b"# " + own, b"comment " + own))
+
+
 def named_unit(data: bytes) -> str | None:
     """Look for a unit in the comments at the head of an OBJ, PLY or OFF file, as Maya writes it.
 

@@ -96,7 +96,7 @@ class BakeSettings(Checked):
     )
     displaced: StrictBool = Field(default=False, description="Write the displaced mesh as well.")
     displaced_format: Literal["glb", "obj", "ply", "stl"] = Field(
-        default="glb", description="Of the displaced mesh."
+        default="glb", description="Of the displaced mesh: GLB in metres, the others in millimetres."
     )
     displaced_edge: PositiveMillimetres | None = Field(
         default=None, description="Longest edge of the displaced mesh; two texels if not given."

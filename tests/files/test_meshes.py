@@ -10,6 +10,7 @@ import surftex
 from surftex.errors import InputError, MeshFileError, RecipeError
 from surftex.fields.sources import part_field
 from surftex.files.meshes import load
+from surftex.files.meshout import write_mesh
 from surftex.files.scaling import named_unit
 from surftex.surface.bodies import Bodies
 from tests.files.bad_inputs import ball, document, glb, glb_of, gltf, obj, off, ply, sheet, stl, stl_text
@@ -100,6 +101,36 @@ def test_a_unit_that_comments_name_is_taken_where_it_is_plausible(tmp_path, comm
 
 def test_comments_of_ply_name_units_too():
     assert named_unit(b"ply\nformat ascii 1.0\ncomment in inches\nelement vertex 3\n") == "in"
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply", "stl"])
+@pytest.mark.parametrize("side", [0.3, 3, 60, 9000])
+def test_what_surftex_has_written_is_in_millimetres_at_any_size(tmp_path, suffix, side):
+    path = tmp_path / f"a.{suffix}"
+    v, f = sheet()
+    write_mesh(path, v * side, f)
+    surface = load(path)
+    assert surface.longest_side_mm == pytest.approx(side)
+    assert not any("unit" in line for line in surface.warnings)
+    assert load(path, units="cm").longest_side_mm == pytest.approx(10 * side)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "head"),
+    [
+        ("obj", b"# made from surftex, millimetres\n"),
+        ("obj", b"o surftex, millimetres\n"),
+        ("obj", b"vn 0 0 1\n" * 300 + b"# surftex, millimetres\n"),
+        ("stl", b"surftex, millimetres, scaled".ljust(80)),
+    ],
+)
+def test_what_others_have_written_is_not_taken_for_its_own(tmp_path, suffix, head):
+    path = tmp_path / f"a.{suffix}"
+    v, f = sheet()
+    write_mesh(path, v * 3, f)
+    data = path.read_bytes()
+    path.write_bytes(head + (data[80:] if suffix == "stl" else data.split(b"\n", 1)[1]))
+    assert load(path).mm_per_unit == 1000
 
 
 @pytest.mark.parametrize("side", [0.001, 6000])
