@@ -13,6 +13,9 @@ SMALLEST_MM, LARGEST_MM = 20.0, 5000.0
 LIKELY_MM = 300.0
 """Where several units do, the one that comes nearest to this by ratio is taken."""
 
+NEAR_TIE = 2.0
+"""Up to how many times as far from `LIKELY_MM`, by ratio, a second unit is named beside the one that is taken."""
+
 _OVERRULE = "(units or size overrules this; --units, --size)"
 
 _WORDS = {"mm": rb"millimet(er|re)s", "cm": rb"centimet(er|re)s", "m": rb"met(er|re)s", "in": rb"inches"}
@@ -122,10 +125,13 @@ def mm_per_unit(
     lengths = {name: longest_side * MM_PER_UNIT[name] for name in ("m", "cm", "mm")}
     plausible = [name for name, length in lengths.items() if SMALLEST_MM <= length <= LARGEST_MM]
     if plausible:
-        unit = min(plausible, key=lambda name: round(abs(log(lengths[name] / LIKELY_MM)), 9))
-        return MM_PER_UNIT[unit], [
-            f"the file names no unit; taken as {unit}, its longest side is {lengths[unit]:.4g} mm {_OVERRULE}"
-        ]
+        far = {name: round(abs(log(lengths[name] / LIKELY_MM)), 9) for name in plausible}
+        unit, *others = sorted(plausible, key=far.__getitem__)
+        said = f"the file names no unit; taken as {unit}, its longest side is {lengths[unit]:.4g} mm"
+        if others and far[others[0]] <= far[unit] + log(NEAR_TIE):
+            other = others[0]
+            said += f"; it may as well be {other} ({lengths[other]:.4g} mm): --units {other} or --units {unit} settles it"
+        return MM_PER_UNIT[unit], [f"{said} {_OVERRULE}"]
     raise MeshFileError(
         f"{where}: names no unit, and as metres, centimetres or millimetres its longest side "
         f"of {longest_side:.4g} is not between 20 mm and 5 m; give units or size (--units, --size)"

@@ -75,6 +75,35 @@ def test_units_are_guessed_by_size(tmp_path, side, unit):
 
 
 @pytest.mark.parametrize(
+    ("side", "taken", "other"),
+    [
+        (94.8, ("cm", "948"), ("mm", "94.8")),
+        (95, ("mm", "95"), ("cm", "950")),
+        (68, ("cm", "680"), ("mm", "68")),
+        (133, ("mm", "133"), ("cm", "1330")),
+        (2.99, ("m", "2990"), ("cm", "29.9")),
+        (3.01, ("cm", "30.1"), ("m", "3010")),
+        (66, ("cm", "660"), None),  # more than twice as far from 300 mm by ratio
+        (135, ("mm", "135"), None),
+        (30, ("cm", "300"), None),
+        (4500, ("mm", "4500"), None),
+    ],
+)
+def test_two_units_that_are_almost_as_likely_are_both_named(tmp_path, side, taken, other):
+    v, f = sheet()
+    warnings = load(saved(tmp_path, "a.obj", obj(v * side, f))).warnings
+    (said,) = [line for line in warnings if "names no unit" in line]
+    unit, length = taken
+    assert f"taken as {unit}, its longest side is {length} mm" in said
+    assert ("may as well" in said) == (other is not None)
+    if other is not None:
+        second, length = other
+        assert (
+            f"it may as well be {second} ({length} mm): --units {second} or --units {unit} settles it" in said
+        )
+
+
+@pytest.mark.parametrize(
     ("comment", "side", "unit"),
     [
         ("# ball, millimetres, y up", 75, "mm"),
