@@ -26,7 +26,12 @@ _CPU_S_PER = {
     "leather.crown": (2.15e-5, 1.4e-5),
     "leather.sample": (3.7e-7, 3.0e-7),
     "leather.sample of a shape": (4.5e-7, 1.1e-6),
-    "cells.cell": (0.85e-4, 3.7e-4),
+    "cells.particle": (2.6e-7, 2.4e-6),
+    "cells.particle pushed": (0.9e-6, 0.0),
+    "cells.particle near creases": (0.0, 1.1e-6),
+    "cells.mm of creases": (5.0e-5, 0.5e-5),
+    "cells.cell": (3.0e-5, 6.0e-5),
+    "cells.cell with wrinkles": (1.0e-5, 0.1e-5),
     "composite.pixel": (0.75e-4, 0.55e-4),
     "skin.pore": (0.2e-5, 0.1e-5),
     "texel": (1.8e-7, 0.8e-7),
@@ -37,7 +42,7 @@ _CPU_S_PER = {
     "composite.texel": (0.0, 2.0e-7),
 }
 """What each takes of one thread, and what all threads share: measured. Cells count by their effort; corners are those of
-Voronoi graphs, by their cells; samples are those that even cells out."""
+Voronoi graphs, by their cells; samples are those that even cells out; particles count once for each generation they live."""
 
 START_S = 2.0
 """Imports, and compiled kernels that are read."""
@@ -209,6 +214,8 @@ def _work(recipe: Recipe, foreseen: list[Foreseen]) -> dict[str, float]:
             found[each.kind] += each.effort * min(each.count, _BEYOND)
         if layer.kind == "leather":
             found = _leather_work(layer.material, told, found)
+        if layer.kind == "cells":
+            found |= _growth_work(layer.material, found)
         for unit, count in found.items():
             work[f"{layer.kind}.{unit}"] = work.get(f"{layer.kind}.{unit}", 0.0) + count
     return work
@@ -224,6 +231,25 @@ def _leather_work(leather: Any, told: Foreseen, found: dict[str, float]) -> dict
     if leather.pore_group > 1:
         more["pore in a group"] = found.pop("pore", 0.0)
     return found | more
+
+
+def _growth_work(cells: Any, found: dict[str, float]) -> dict[str, float]:
+    """Tell what a potential and wrinkles add to a growth: creases lie there before it, other wrinkles walk along its cells."""
+    wrinkles = found.get("wrinkle", 0.0)
+    if cells.wrinkle_potential <= 0:
+        creases, walked = 0.0, found.get("cell", 0.0) if wrinkles else 0.0
+    else:
+        creases, walked = wrinkles, 0.0
+    near, pushed = 0.0, 0.0
+    if cells.potential_force > 0:
+        near = found.get("particle", 0.0) if creases else 0.0
+        pushed = near if cells.potential is None else found.get("particle", 0.0)
+    return {
+        "particle pushed": pushed,
+        "particle near creases": near,
+        "mm of creases": creases * cells.wrinkle_length,
+        "cell with wrinkles": walked,
+    }
 
 
 def _texels(recipe: Recipe, foreseen: list[Foreseen], area_mm2: float) -> dict[str, float]:

@@ -114,6 +114,19 @@ class GrowthLaw:
         """
         return self.births * area * (self.births_end - _EULER / self.ageing)
 
+    def mean_life(self) -> float:
+        """Tell for how many generations particles move, until the growth ends or they die.
+
+        Returns
+        -------
+        generations : float
+            The mean of all births; 0 of a growth without any.
+        """
+        generation = np.arange(self.generations)
+        rate = np.array([self.rate(int(each)) for each in generation])
+        lived = np.minimum(self.generations - generation, self.life)
+        return float((rate * lived).sum() / max(rate.sum(), 1e-300))
+
     def final_share(self, generation: int, normal: NDArray[np.float64]) -> NDArray[np.float64]:
         """Tell the final diameter of particles, as a share of the largest.
 

@@ -21,6 +21,9 @@ from surftex.surface.points import SurfacePoints
 SLICE = 4096
 """Particles that one call of a kernel looks after."""
 
+ATTRACTED = 1.5
+"""How far those that attract each other reach, in sums of their radii."""
+
 _ROOM = 48
 _COLUMNS = 8
 _SPREAD_RAD = 0.15
@@ -255,7 +258,7 @@ def grow(
         if len(particles):
             radius = particles.radius(law)
             size = radius * np.sqrt(np.maximum(particles.aspect, 1 / particles.aspect))
-            factor = 1.5 if law.attraction > 0 else 1.0
+            factor = ATTRACTED if law.attraction > 0 else 1.0
             near = ground.neighbours(particles, size, factor, 0.1 * float(particles.scale.max()), threads)
             ground.move(particles, radius, ground.push(particles), near, constants, STEP, STEPS, threads)
         if watch is not None:

@@ -1,7 +1,8 @@
 """Walking distance to curves, points and the borders of masks, as a field.
 
 Within three mean edges the distance is exact. Beyond, it is linear between the vertices; these are exact within
-eight mean edges, and further off solved once by the heat method. Each fades into the next.
+eight mean edges, and further off solved once by the heat method. Each fades into the next. Where the limit is no more than
+three mean edges, all of it is exact.
 The side of a border is that of its mask at the very point.
 """
 
@@ -51,16 +52,17 @@ def distance_field(
     limit = (
         2 * float(np.linalg.norm(np.ptp(surface.vertices, axis=0))) if limit_mm is None else float(limit_mm)
     )
-    reach = EXACT_EDGES * surface.mean_edge_mm
+    reach = min(EXACT_EDGES * surface.mean_edge_mm, limit)
     records = flood_curves(surface, pieces, reach)
-    corners = np.minimum(_at_vertices(surface, pieces), limit)[surface.faces]
+    corners = None if reach == limit else np.minimum(_at_vertices(surface, pieces), limit)[surface.faces]
 
     def field(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
-        beyond = np.einsum("pk,pk->p", points.barycentric, corners[points.face])
         distance = nearest_curve(records, points)[1]
-        share = np.clip((reach - distance) / (reach * 2 / 3), 0.0, 1.0)
-        near = np.where(share > 0, distance, 0.0)
-        far = np.minimum(share * near + (1 - share) * beyond, limit)
+        if corners is not None:
+            beyond = np.einsum("pk,pk->p", points.barycentric, corners[points.face])
+            share = np.clip((reach - distance) / (reach * 2 / 3), 0.0, 1.0)
+            distance = share * np.where(share > 0, distance, 0.0) + (1 - share) * beyond
+        far = np.minimum(distance, limit)
         return far if mask is None else np.where(mask(points) > level, -far, far)
 
     def span() -> Span:
@@ -71,8 +73,10 @@ def distance_field(
         near = np.minimum(nearest_curve(records, every)[1], reach).reshape(-1, 3)
         # the exact distance changes by no more than the way; where it is not known it is beyond the reach, and unused
         room = surface.edge_length.max(axis=1) * (1 + 1e-6)
-        low = np.minimum(np.maximum(near.max(axis=1) - room, 0.0), corners.min(axis=1))
-        high = np.maximum(np.minimum(near.min(axis=1) + room, reach), corners.max(axis=1))
+        low = np.maximum(near.max(axis=1) - room, 0.0)
+        high = np.minimum(near.min(axis=1) + room, reach)
+        if corners is not None:
+            low, high = np.minimum(low, corners.min(axis=1)), np.maximum(high, corners.max(axis=1))
         low, high = np.minimum(low, limit), np.minimum(high, limit)
         if mask is None:
             return low, high

@@ -215,6 +215,32 @@ def test_an_estimate_counts_what_hangs_on_cells_and_how_far_they_reach(changes, 
     assert foreseen_s(sx.Leather(**{**LEATHER, **changes})) - start > more * plain
 
 
+GROWN = {"cell_size": 1.0, "potential_force": 0.02}
+
+
+@pytest.mark.parametrize(
+    ("changes", "more"),
+    [
+        ({"potential": "x / 50"}, 1.3),
+        ({"wrinkle_count": 400, "wrinkle_potential": 1.0}, 1.5),
+        ({"wrinkle_count": 400}, 1.01),
+        ({"cell_ratio": 3.0}, 1.6),
+        ({"cell_ratio": "0.25 + 0 * x"}, 1.6),
+        ({"attraction": 0.5}, 1.4),
+        ({"generations": 190}, 1.3),
+    ],
+)
+def test_an_estimate_counts_what_drives_a_growth(changes, more):
+    start = foreseen_s(sx.Cells(cell_size=100.0))
+    plain = foreseen_s(sx.Cells(**GROWN)) - start
+    assert more * plain < foreseen_s(sx.Cells(**{**GROWN, **changes})) - start < 2.6 * plain
+
+
+def test_a_potential_without_force_costs_nothing():
+    plain = foreseen_s(sx.Cells(cell_size=1.0, potential_force=0.0))
+    assert foreseen_s(sx.Cells(cell_size=1.0, potential_force=0.0, potential="x / 50")) == plain
+
+
 def test_an_estimate_counts_that_shapes_are_evened_out_more_slowly_than_rounds():
     even = {**LEATHER, "regularity": 8}
     round_s, shaped_s = (foreseen_s(sx.Leather(**even, cell_shape=shape)) for shape in ("round", "ellipse"))
@@ -239,7 +265,9 @@ def test_an_estimate_counts_the_texels_of_every_layer():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("preset", ["sakurai-12c", "sakurai-12i", "lizard", "cells"])
+@pytest.mark.parametrize(
+    "preset", ["sakurai-12c", "sakurai-12i", "lizard", "cells", "creased", "field-driven"]
+)
 def test_a_bake_takes_about_as_much_of_the_processor_as_was_foreseen(preset):
     ball = sphere(35.0, subdivisions=4)
     recipe = Recipe.of(recipe_for(preset), resolution=1024)

@@ -135,3 +135,17 @@ def test_particles_stay_on_a_surface_with_borders():
 
 def test_none_is_none():
     assert len(Particles.none()) == 0
+
+
+def test_particles_live_on_average_as_long_as_they_are_counted():
+    ground = PlaneGround(20.0, 1.0)
+    for changes in ({}, {"life": 30}, {"generations": 30}):
+        law, alive = GrowthLaw(**changes), []
+        grow(
+            ground,
+            law,
+            stream(0, "births"),
+            watch=lambda particles, alive=alive: alive.append(len(particles)),
+        )
+        born = law.born(law.generations - 1, ground.area)[1]
+        assert sum(alive) / born == pytest.approx(law.mean_life(), rel=0.01)

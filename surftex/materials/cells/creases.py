@@ -91,7 +91,7 @@ def crease_potential(surface: Surface, table: NDArray, size_mm: float, height: f
     potential : callable
         `height` on a crease, 0 from `REACH` cells on.
     """
-    away = distance_field(surface, curve_pieces(surface, table), limit_mm=4 * REACH * size_mm)
+    away = distance_field(surface, curve_pieces(surface, table), limit_mm=REACH * size_mm)
 
     def potential(points: SurfacePoints, footprint_mm: NDArray | float = 0.0) -> NDArray[np.float64]:
         share = (away(points, footprint_mm) / (REACH * size_mm)).astype(np.float32)
