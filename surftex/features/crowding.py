@@ -16,7 +16,8 @@ MOST_TOGETHER = 100
 most, on thin and folded meshes too; what is strewn at random has some tens."""
 
 _APART = ("cell", "crown")
-"""Kinds that keep apart, so that no two are at one place; pores fall as they fall, and four cells may meet in a pocket."""
+"""Kinds that keep apart, so that no two are at one place; pores fall as they fall, and four cells may meet in a pocket. Grown
+cells, which name particles at their corners, coincide where three particles meet on both sides of a fold."""
 
 _SAME_MM = 2.0**-23
 _MIXED = np.array(
@@ -52,7 +53,8 @@ def refuse_crowds(surface: Surface, features: Mapping[str, NDArray[Any]]) -> Non
             np.ascontiguousarray(table["face"]), np.ascontiguousarray(table["barycentric"])
         )
         place, body = points.positions(surface), surface.component[points.face]
-        _refuse_one_place(kind, _groups(body, place, np.full(len(table), _SAME_MM)))
+        apart = kind in _APART and "corner" not in names
+        _refuse_one_place(kind, apart, _groups(body, place, np.full(len(table), _SAME_MM)))
         size = next((table[name] for name in _SIZES if name in names), None)
         if kind == "cell" and size is not None:
             cube_mm = np.exp2(np.floor(np.log2(size.astype(np.float64))))
@@ -68,9 +70,9 @@ def _groups(
     return group, count
 
 
-def _refuse_one_place(kind: str, groups: tuple[NDArray[np.int64], NDArray[np.int64]]) -> None:
+def _refuse_one_place(kind: str, apart: bool, groups: tuple[NDArray[np.int64], NDArray[np.int64]]) -> None:
     group, count = groups
-    if kind not in _APART:
+    if not apart:
         worst = int(np.argmax(count))
         if count[worst] > MOST_TOGETHER:
             first = int(np.flatnonzero(group == worst)[0])

@@ -170,6 +170,19 @@ def test_pores_may_coincide_but_not_by_the_hundred():
         check_given(BALL, {"pore": crowd(101, 0.0)})
 
 
+def test_grown_cells_may_coincide_where_a_mesh_is_folded_but_not_by_the_hundred():
+    for count in (2, 101):
+        placed = crowd(count, 0.0)
+        grown = np.zeros(count, [*placed.dtype.descr, ("corner", "i4", 4)])
+        for name in placed.dtype.names:
+            grown[name] = placed[name]
+        if count == 2:
+            check_given(BALL, {"cell": grown})
+            continue
+        with pytest.raises(InputError, match=r"^cell: 101 rows lie at one place"):
+            check_given(BALL, {"cell": grown})
+
+
 @pytest.mark.parametrize("size", [0.3, 1.0, 500.0])
 def test_cells_far_closer_than_their_size_are_refused_at_once(size):
     """Their flood would leave a record of every one of them in every face around."""
