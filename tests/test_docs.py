@@ -95,3 +95,11 @@ def test_reference_is_that_of_the_code(name):
 
     kept = (ROOT / "docs" / name).read_text("utf-8")
     assert kept == page(name), "the code has changed: run `python -m docs.make_reference`"
+
+
+def test_the_readme_names_every_preset():
+    from surftex.recipe.layer import all_presets
+
+    text = (ROOT / "README.md").read_text("utf-8")
+    told = set(re.findall(r"[\w-]+", text[text.index("## Presets") : text.index("## Shape it live")]))
+    assert {name for name in all_presets() if not name.startswith("sakurai-12")} <= told
