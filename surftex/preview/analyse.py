@@ -16,6 +16,9 @@ from surftex.preview.spectrum import Ring, Spectrum, fitted_ring, height_spectru
 
 _SIDE = 480
 
+_BEYOND = 4.0
+"""How many times longer than the coarsest feature a wavelength is that cannot be the features'."""
+
 
 def analyse_file(
     path: str | os.PathLike[str],
@@ -64,6 +67,13 @@ def analyse_file(
         raise InputError(f"section is {list(section)}; it takes x0,y0,x1,y1 in texels")
     spectrum = height_spectrum(height, mm_per_texel)
     ring = fitted_ring(spectrum)
+    kind, wide_mm = _coarsest(source.parent / "report.json")
+    strange = ring.radius > 0 and ring.spacing_mm > _BEYOND * wide_mm
+    if strange:
+        warnings.append(
+            f"what stands out most is {ring.spacing_mm:.4g} mm long, far beyond the {kind} of {wide_mm:.4g} mm: outlines of "
+            "charts, a mask or a field; on a larger page, or on a plane, the features may show"
+        )
     cut = None if section is None else flat_section(height, section[:2], section[2:], mm_per_texel)
     result = {
         "source": source.name,
@@ -75,7 +85,7 @@ def analyse_file(
             "cycles_per_mm": ring.radius,
             "axis_ratio": ring.ratio,
             "long_axis_deg": ring.angle_deg,
-            "spacing_mm": ring.spacing_mm if np.isfinite(ring.spacing_mm) else None,
+            "spacing_mm": ring.spacing_mm if np.isfinite(ring.spacing_mm) and not strange else None,
         },
         "section": None
         if cut is None
@@ -237,6 +247,16 @@ def _reported(path: Path, shape: tuple[int, ...]) -> tuple[float | None, float |
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError):
         return None, None
     return (float(np.sqrt(size)), coverage) if 0 < size < np.inf and 0 < coverage <= 1 else (None, None)
+
+
+def _coarsest(path: Path) -> tuple[str, float]:
+    """Kind and size of the coarsest features that the report of the bake tells; inf where it tells of no cells."""
+    try:
+        sizes = json.loads(path.read_text("utf-8"))["scales"]["features_mm"]
+        kind = max(sizes, key=sizes.__getitem__)
+        return kind, float(sizes[kind]) if "cells" in sizes else np.inf
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return "features", np.inf
 
 
 def _places(source: Path, out: str | os.PathLike[str] | None) -> list[str]:

@@ -173,3 +173,21 @@ def test_the_command_prints_the_main_numbers_after_the_files(tmp_path, capsys):
     write_exr(tmp_path / "flat.exr", np.zeros((64, 64), np.float32))
     assert main(["analyse", str(tmp_path / "flat.exr"), "--mm-per-texel", "0.05"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "spectrum: no wavelength stands out"
+
+
+@pytest.mark.parametrize(("cells_mm", "told"), [(1.0, True), (0.1, False), ("no size", True), (None, True)])
+def test_a_wavelength_far_beyond_the_features_of_the_report_is_none_of_theirs(
+    tmp_path, cells_mm, told, capsys
+):
+    from surftex.cli import main
+
+    write_exr(tmp_path / "h.exr", waves(2, 2, 0, size=128).astype(np.float32))
+    spacing = analyse_file(tmp_path / "h.exr", mm_per_texel=0.05)["ring"]["spacing_mm"]
+    assert 0.4 < spacing < 4.0
+    report = {"scales": {"features_mm": {"pores": 0.01} | ({} if cells_mm is None else {"cells": cells_mm})}}
+    (tmp_path / "report.json").write_text(json.dumps(report))
+    result = analyse_file(tmp_path / "h.exr", mm_per_texel=0.05)
+    assert result["ring"]["spacing_mm"] == (spacing if told else None)
+    assert any("far beyond the cells of 0.1 mm" in each for each in result["warnings"]) != told
+    assert main(["analyse", str(tmp_path / "h.exr"), "--mm-per-texel", "0.05"]) == 0
+    assert ("features repeat every" in capsys.readouterr().out) == told
