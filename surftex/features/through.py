@@ -12,7 +12,7 @@ from surftex.geodesics.tracing import inside_place, trace
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
-_INWARD = 1e-4
+_INWARD = 1e-6
 """Share of the way to the middle of its face that a point is moved, so that every way from it begins in that face."""
 
 
