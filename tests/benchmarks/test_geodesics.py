@@ -1,8 +1,12 @@
 """How the work of floods and gathers grows: three sizes each, the exponent read and asserted loosely."""
 
+import numpy as np
 import pytest
 
+from surftex.features.through import curves_through
 from surftex.geodesics.bounds import nearest_bound
+from surftex.geodesics.curves import flood_curves, nearest_curves
+from surftex.geodesics.tracing import trace
 from surftex.geodesics.windows import flood_points, nearest
 from surftex.surface.shapes import sphere
 from tests.benchmarks.growth import exponent
@@ -50,3 +54,27 @@ def test_flood(benchmark, ball, count):
 def test_nearest(benchmark, ball, count):
     records = flood_points(ball, random_points(ball, 2000, 6), 6.0)
     benchmark(nearest, records, random_points(ball, count, 7), 2, threads=1)
+
+
+@pytest.fixture(scope="module")
+def lines(ball):
+    return trace(ball, random_points(ball, 200, 8), np.linspace(0, 6, 200), 25.0).pieces
+
+
+def test_gather_of_the_nearest_curves_grows_with_the_samples(ball, lines):
+    records = flood_curves(ball, lines, 2.0)
+    points = {size: random_points(ball, size, 9) for size in (100_000, 300_000, 900_000)}
+    assert exponent(lambda size: nearest_curves(records, points[size], 3, threads=1), list(points)) < 1.25
+
+
+@pytest.mark.parametrize("count", [30_000, 100_000, 300_000])
+def test_nearest_curves(benchmark, ball, lines, count):
+    records = flood_curves(ball, lines, 2.0)
+    benchmark(nearest_curves, records, random_points(ball, count, 10), 3, threads=1)
+
+
+@pytest.mark.parametrize("count", [50, 200, 800])
+def test_curves_through(benchmark, ball, count):
+    walks = trace(ball, random_points(ball, count, 11), np.linspace(0, 6, count), 20.0)
+    points = walks.pieces.points(ball, 0.5)
+    benchmark(curves_through, ball, points, walks.pieces.curve, chord_mm=np.full(count, 1.0), threads=1)
