@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from surftex.arrays import read_only_view
 from surftex.paged import blocks, in_file, let_go, page
 
+_KEPT = 64
+"""So many by so many texels of a mip are kept while places are looked up, as neighbours ask for the same."""
+
 
 def bilinear_stencil(
     uv: NDArray[np.float64], width: int, height: int
@@ -43,7 +46,7 @@ def bilinear_stencil(
     return texel, shares.reshape(-1, 4)
 
 
-def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64]:
+def bilinear(image: NDArray[Any], uv: NDArray[np.float64], mip: int = 0) -> NDArray[np.float64]:
     """Look a picture up.
 
     Parameters
@@ -52,32 +55,44 @@ def bilinear(image: NDArray[Any], uv: NDArray[np.float64]) -> NDArray[np.float64
         Numbers of any type. It may lie in a file, see `surftex.paged`: then it is read from top to bottom.
     uv : (n, 2) float64
         Places on the page.
+    mip : int
+        So many times the picture is halved before, as by `half`; its sides must be even as often.
 
     Returns
     -------
     value : (n,) or (n, c) float64
         Mixed from four texels each.
     """
-    from surftex.kernels.lookup import mix_texels
+    from surftex.kernels.lookup import mix_mip, mix_texels
 
     height, width = image.shape[:2]
     texels = read_only_view(image, image.dtype).reshape(height * width, -1)
     mixed = np.zeros((len(uv), texels.shape[1]))
+
+    def mix(uv: NDArray[np.float64], value: NDArray[np.float64]) -> None:
+        uv = read_only_view(uv, np.float64)
+        if mip == 0:
+            mix_texels(texels, width, height, uv, value)
+            return
+        known, mean = np.full((_KEPT, _KEPT), -1), np.zeros((_KEPT**2, texels.shape[1]), image.dtype)
+        work = np.zeros(4**mip, image.dtype)
+        mix_mip(texels, width, height, 2**mip, uv, known, mean, work, value)
+
     if in_file(image.shape):
         row = np.clip((1.0 - uv[:, 1]) * height - 0.5, 0, height - 1)
         order = np.argsort(row, kind="stable")
         for rows in blocks(image):
             chosen = order[slice(*np.searchsorted(row[order], [rows.start, rows.stop]))]
             value = np.zeros((len(chosen), texels.shape[1]))
-            mix_texels(texels, width, height, read_only_view(uv[chosen], np.float64), value)
+            mix(uv[chosen], value)
             mixed[chosen] = value
     else:
-        mix_texels(texels, width, height, read_only_view(uv, np.float64), mixed)
+        mix(uv, mixed)
     return mixed[:, 0] if image.ndim == 2 else mixed
 
 
 def bilinear_tiles(
-    images: Mapping[int, NDArray[Any]], uv: NDArray[np.float64], tile: NDArray[np.integer]
+    images: Mapping[int, NDArray[Any]], uv: NDArray[np.float64], tile: NDArray[np.integer], mip: int = 0
 ) -> NDArray[np.float64]:
     """Look up pictures that lie on several pages.
 
@@ -89,6 +104,8 @@ def bilinear_tiles(
         Places, each on its own page.
     tile : (n,) int
         Page of each.
+    mip : int
+        As for `bilinear`.
 
     Returns
     -------
@@ -96,10 +113,12 @@ def bilinear_tiles(
         Mixed from four texels each, of one page.
     """
     first = next(iter(images.values()))
+    if len(images) == 1:
+        return bilinear(first, uv, mip)
     value = np.zeros((len(uv), *first.shape[2:]))
     for number, image in images.items():
         rows = tile == number
-        value[rows] = bilinear(image, uv[rows])
+        value[rows] = bilinear(image, uv[rows], mip)
     return value
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from surftex.arrays import read_only_view
 from surftex.charts.atlas import Atlas, tile_origin
 from surftex.charts.lookup import bilinear, bilinear_tiles, half
 from surftex.charts.texels import Texels
@@ -64,6 +65,8 @@ class SeamSamples:
         samples : SeamSamples
             The others.
         """
+        if not self.hard.any():
+            return self
         kept = ~self.hard
         here, there = (
             SurfacePoints.trusted(side.face[kept], side.barycentric[kept]) for side in (self.here, self.there)
@@ -152,19 +155,27 @@ def seam_samples(surface: Surface, atlas: Atlas, resolution: int, *, per_texel: 
         weight[row, edges] = 1 - share
         weight[row, (edges + 1) % 3] = share
         points = SurfacePoints.trusted(faces.astype(np.int32), weight)
-        uv = np.einsum("sk,skc->sc", weight, atlas.corner_uv[faces])
-        return points, uv - tile_origin(atlas.tile[faces])
+        return points, _of_corners(points, atlas.corner_uv) - tile_origin(atlas.tile[faces])
 
     here, here_uv = side(face[index], edge[index], along)
     there, there_uv = side(other[index], other_edge[index], 1 - along)
-    normal = [
-        np.einsum("sk,ski->si", part.barycentric, surface.shading_normal[part.face]) for part in (here, there)
-    ]
+    normal = [_of_corners(points, surface.shading_normal) for points in (here, there)]
     length = np.linalg.norm(normal, axis=2).prod(axis=0)
     hard = (normal[0] * normal[1]).sum(axis=1) < np.cos(np.radians(HARD_DEGREES)) * length
     length_mm = surface.edge_length[face, edge][index] / count[index]
     tile = atlas.tile
     return SeamSamples(here, there, here_uv, there_uv, length_mm, hard, tile[here.face], tile[there.face])
+
+
+def _of_corners(points: SurfacePoints, value: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weigh what the corners of faces have, (m, 3, d), at points in them: (n, d)."""
+    from surftex.kernels.barycentric import interpolate
+
+    result = np.zeros((len(points), value.shape[2]))
+    face, weight = read_only_view(points.face, np.int32), read_only_view(points.barycentric, np.float64)
+    corner = read_only_view(np.arange(3 * len(value)).reshape(-1, 3), np.int32)
+    interpolate(face, weight, corner, read_only_view(value, np.float64).reshape(len(value) * 3, -1), result)
+    return result
 
 
 def seam_jumps(
@@ -199,12 +210,10 @@ def seam_jumps(
         if page.dtype.kind in "iu":
             pages[tile] = page.astype(np.float32) / np.iinfo(page.dtype).max
     for level in range(mips):
-        if level:
-            if any(side % 2 for page in pages.values() for side in page.shape[:2]):
-                break
-            pages = {tile: half(page) for tile, page in pages.items()}
-        here = bilinear_tiles(pages, samples.here_uv, samples.here_tile)
-        there = bilinear_tiles(pages, samples.there_uv, samples.there_tile)
+        if any(side % 2**level for page in pages.values() for side in page.shape[:2]):
+            break
+        here = bilinear_tiles(pages, samples.here_uv, samples.here_tile, level)
+        there = bilinear_tiles(pages, samples.there_uv, samples.there_tile, level)
         for page in pages.values():
             let_go(page)
         if decode is not None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surftex.arrays import checked, frozen
+from surftex.arrays import checked, frozen, read_only_view
 from surftex.charts.atlas import Atlas
 from surftex.charts.fill import nearest_mapped
 from surftex.charts.texels import Texels
@@ -266,8 +266,12 @@ def object_normals(
     normal : (n, 3) float64
         Unit vectors in the frame of `Surface.vertices`.
     """
-    normal = np.einsum("pk,pki->pi", barycentric, surface.shading_normal[face])
-    tangent = np.einsum("pk,pki->pi", barycentric, tangents[face, :, :3])
-    bitangent = tangents[face, 0, 3:] * np.cross(normal, tangent)
-    result = encoded[:, :1] * tangent + encoded[:, 1:2] * bitangent + encoded[:, 2:] * normal
-    return result / np.maximum(np.linalg.norm(result, axis=1, keepdims=True), np.finfo(float).tiny)
+    from surftex.kernels.tangents import decode_normals
+
+    normal = np.zeros((len(face), 3))
+    numbers = (
+        read_only_view(array, np.float64)
+        for array in (barycentric, encoded, surface.shading_normal, tangents)
+    )
+    decode_normals(read_only_view(face, np.int32), *numbers, normal)
+    return normal

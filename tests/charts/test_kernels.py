@@ -125,3 +125,22 @@ def test_lookup_mixes_four_texels_and_halving_averages_them(channels):
     smaller = half(image)
     assert smaller.shape == (4, 6, *channels)
     np.testing.assert_allclose(smaller, image.reshape(4, 2, 6, 2, *channels).mean(axis=(1, 3)), rtol=1e-6)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("channels", [(), (3,)])
+def test_lookup_in_a_mip_is_lookup_in_the_halved_picture(channels, dtype, monkeypatch):
+    image = stream(5, "picture").uniform(24 * 16, 3).astype(dtype).reshape(24, 16, 3)
+    image = image if channels else image[..., 0]
+    uv = stream(6, "places").uniform(300, 2) * 1.2 - 0.1
+    smaller = image
+    for mip in (1, 2, 3):
+        smaller = half(smaller)
+        np.testing.assert_array_equal(bilinear(image, uv, mip), bilinear(smaller, uv))
+        with monkeypatch.context() as patch:
+            patch.setattr("surftex.charts.lookup._KEPT", 2)
+            np.testing.assert_array_equal(bilinear(image, uv, mip), bilinear(smaller, uv))
+            patch.setattr("surftex.paged.LARGEST_IN_MEMORY", 1)
+            patch.setattr("surftex.paged._BLOCK_BYTES", 4 * image[:1].nbytes)
+            np.testing.assert_array_equal(bilinear(image, uv, mip), bilinear(smaller, uv))
+    np.testing.assert_allclose(bilinear(image, uv, 3), oracle.bilinear(smaller, uv), atol=1e-6)

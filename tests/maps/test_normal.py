@@ -6,10 +6,12 @@ import pytest
 from surftex.charts.atlas import Atlas
 from surftex.charts.texels import texels
 from surftex.charts.unwrap import unwrap
+from surftex.features.uniform import area_points
 from surftex.files.meshes import load
 from surftex.kernels.normals import encode_slopes
 from surftex.maps.normal import height_gradient, normal_map, object_normals, surface_tangents
 from surftex.maps.page import page_metric, read_only, stopped
+from surftex.randomness import stream
 from surftex.surface.shapes import plane, sphere
 from surftex.surface.surface import Surface
 from tests.oracles import maps as oracle
@@ -122,6 +124,18 @@ def seen(surface, atlas, tangents, image, face, weight):
     """What a shader shows: the map filtered, decoded in the frame of the face that it draws."""
     uv = np.einsum("pk,pki->pi", weight, atlas.corner_uv[face])
     return object_normals(surface, tangents, face, weight, bilinear(image, uv))
+
+
+def test_decoding_weighs_the_frames_of_the_corners():
+    ball = sphere(5.0, subdivisions=1)
+    atlas = Atlas.of(ball, np.abs(unwrap(ball, method="uvunwrap", resolution=64).corner_uv - [0.5, 0]))
+    tangents = surface_tangents(ball, atlas)
+    assert set(np.unique(tangents[..., 3])) == {-1, 1}
+    points = area_points(ball, stream(0, "places").uniform(500, 3))
+    encoded = (stream(0, "codes").uniform(500, 3) * 2 - 1).astype(np.float32)
+    asked = (ball, tangents, points.face, points.barycentric, encoded)
+    np.testing.assert_allclose(object_normals(*asked), oracle.object_normals(*asked), atol=1e-12)
+    np.testing.assert_array_equal(object_normals(*asked[:4], 0 * encoded), 0)
 
 
 def seam_points(surface, atlas, per_edge=8):

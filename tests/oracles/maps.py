@@ -54,6 +54,15 @@ def _flat(vector, normal):
     return vector / np.linalg.norm(vector)
 
 
+def object_normals(surface, tangents, face, barycentric, encoded):
+    """Normals told along tangent, bitangent and normal, in space."""
+    normal = np.einsum("pk,pki->pi", barycentric, surface.shading_normal[face])
+    tangent = np.einsum("pk,pki->pi", barycentric, tangents[face, :, :3])
+    frame = np.stack([tangent, tangents[face, 0, 3:] * np.cross(normal, tangent), normal], axis=1)
+    result = np.einsum("pk,pki->pi", encoded, frame)
+    return result / np.linalg.norm(result, axis=1, keepdims=True)
+
+
 def normals(surface, atlas, texels, height, tangents):
     """Tangent-space normals of a page of one flat chart, texel by texel, from matrices."""
     where = {int(place): i for i, place in enumerate(texels.texel)}
