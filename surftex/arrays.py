@@ -84,15 +84,14 @@ def checked(
         limits = np.iinfo(dtype)
         if array.size and (array.min() < limits.min or array.max() > limits.max):
             raise error(f"{name} leaves the range of {dtype}: {array.min()} to {array.max()}")
-    elif array.dtype.kind == "f":
-        wrong = np.argwhere(~np.isfinite(array))
-        if len(wrong) and not array.ndim:
+    elif array.dtype.kind == "f" and not np.isfinite(array).all():
+        if not array.ndim:
             raise error(f"{name} is {array}; it takes a finite number")
-        if len(wrong):
-            where = tuple(int(i) for i in wrong[0])
-            raise error(
-                f"{name} holds {len(wrong)} values that are not finite, of {array.size}; the first is {list(where)}"
-            )
+        wrong = np.argwhere(~np.isfinite(array))
+        where = tuple(int(i) for i in wrong[0])
+        raise error(
+            f"{name} holds {len(wrong)} values that are not finite, of {array.size}; the first is {list(where)}"
+        )
     return array.astype(dtype, copy=False)
 
 
@@ -178,30 +177,3 @@ def read_only_view(array: NDArray[Any], dtype: DTypeLike) -> NDArray[Any]:
     view = np.ascontiguousarray(array, dtype=dtype).view()
     view.flags.writeable = False
     return view
-
-
-def equal_rows(rows: NDArray[Any]) -> NDArray[np.int64]:
-    """Give equal rows equal numbers, in the order in which they first appear.
-
-    Parameters
-    ----------
-    rows : (n, k) array
-        Compared bit by bit, except that -0 equals 0.
-
-    Returns
-    -------
-    number : (n,) int64
-        0 to the count of different rows, less 1.
-    """
-    rows = np.ascontiguousarray(rows + np.zeros(1, rows.dtype))
-    words = rows.view(np.uint32).reshape(len(rows), -1)
-    key = np.full(len(words), 0x9E3779B97F4A7C15, np.uint64)
-    for column in words.T:
-        key = (key ^ column) * np.uint64(0xBF58476D1CE4E5B9)
-        key ^= key >> np.uint64(29)
-    _, first, index = np.unique(key, return_index=True, return_inverse=True)
-    if not (words[first][index] == words).all():
-        _, first, index = np.unique(words, axis=0, return_index=True, return_inverse=True)
-    number = np.zeros(len(first), np.int64)
-    number[np.argsort(first)] = np.arange(len(first))
-    return number[index.ravel()]

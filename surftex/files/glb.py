@@ -15,9 +15,9 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import equal_rows
 from surftex.errors import InputError
 from surftex.surface.surface import Surface
+from surftex.surface.weld import equal_rows
 
 TEXTURES = ("base_color", "orm", "normal", "specular_color")
 """Pictures that a GLB can carry; ``orm`` holds occlusion, roughness and metallic in red, green and blue."""

@@ -8,9 +8,9 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import equal_rows
 from surftex.errors import InputError, WorkError
 from surftex.files.scaling import OWN_COMMENT
+from surftex.surface.weld import equal_rows
 
 SUFFIXES = (".obj", ".ply", ".stl", ".glb")
 """Formats that `write_mesh` knows."""

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import equal_rows
 from surftex.errors import InputError, WorkError
 from surftex.files.glb import far_origin
 from surftex.files.naming import own_identifier
 from surftex.surface.surface import Surface
+from surftex.surface.weld import equal_rows
 from surftex.units import MM_PER_UNIT
 
 FORMATS = ("usda", "usdc", "usdz")

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import equal_rows
 from surftex.errors import InputError
 from surftex.files.images import normal_codes, png_bytes, srgb_codes, unit_codes
+from surftex.surface.weld import equal_rows
 
 if TYPE_CHECKING:
     from surftex.maps.mapset import MapSet

@@ -1,4 +1,6 @@
-"""Vertices that share a place become one."""
+"""Vertices that share a place become one, and rows that are equal."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,27 @@ def weld(places: NDArray[np.float64], tolerance: float) -> tuple[NDArray[np.floa
         cluster, leader = _by_appearance(cluster, _first_of(cluster))
         group, kept = cluster[group], kept[leader]
     return kept, group
+
+
+def equal_rows(rows: NDArray[Any]) -> NDArray[np.int64]:
+    """Give equal rows equal numbers, in the order in which they first appear.
+
+    Parameters
+    ----------
+    rows : (n, k) array
+        Compared bit by bit, except that -0 equals 0.
+
+    Returns
+    -------
+    number : (n,) int64
+        0 to the count of different rows, less 1.
+    """
+    from surftex.kernels.rows import number_rows
+
+    number = np.zeros(len(rows), np.int64)
+    slot = np.full(1 << (2 * len(rows)).bit_length(), -1)
+    number_rows(np.ascontiguousarray(rows + np.zeros(1, rows.dtype)).view(np.uint32), slot, number)
+    return number
 
 
 def _same_place(places: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -5,6 +5,8 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
+from surftex.charts.atlas import Atlas
+from surftex.charts.seams import seam_report
 from surftex.charts.texels import texels
 from surftex.charts.unwrap import unwrap
 from surftex.features.poisson import poisson_disk
@@ -76,6 +78,20 @@ def test_voronoi_graph(benchmark, ball, count):
 @pytest.mark.parametrize("width", WIDTHS)
 def test_texels(benchmark, ball, atlas, width):
     assert len(benchmark(texels, ball, atlas, width, gutter_px=4, threads=1)) > 0.4 * width**2
+
+
+@pytest.mark.parametrize("subdivisions", [4, 5, 6])
+def test_tangents(benchmark, subdivisions):
+    surface = sphere(RADIUS_MM, subdivisions=subdivisions)
+    whole = Atlas.of(surface, np.abs(surface.shading_normal[..., :2]) / 2)
+    assert benchmark(surface_tangents, surface, whole).shape == (len(surface.faces), 3, 4)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_seams(benchmark, ball, atlas, width):
+    page, height = page_of(ball, atlas, width)
+    report = benchmark(seam_report, ball, atlas, {"height": page.image(height)})
+    assert report["samples"] > width
 
 
 @pytest.mark.parametrize("width", WIDTHS)

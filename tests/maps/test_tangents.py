@@ -71,6 +71,18 @@ def test_faces_without_uv_area_take_the_tangent_of_equal_corners():
     np.testing.assert_allclose(tangent[0, :2], [[1, 0, 0, 1]] * 2, atol=1e-12)
 
 
+@pytest.mark.parametrize("turns", [0, 1, 2])
+@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
+def test_faces_that_meet_at_a_corner_alone_share_its_tangent(turns, order):
+    position = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [-1, 0, 0], [0, -1, 0]]])
+    normal = np.broadcast_to([0.6, 0.0, 0.8], position.shape)
+    uv = np.array([[[0, 0], [1, 0], [0, 1]], [[0, 0], [0, 0], [0, 0]]])
+    turned = (np.roll(part[order], turns, axis=2) for part in (position, normal))
+    tangent = np.roll(corner_tangents(*turned, uv[order])[order, :, :3], -turns, axis=2)
+    np.testing.assert_allclose(tangent[0], [[0.8, 0, -0.6]] * 3, atol=1e-12)
+    np.testing.assert_allclose(tangent[1], [[0.8, 0, -0.6], [0, 1, 0], [0, 1, 0]], atol=1e-12)
+
+
 @given(st.integers(0, 10_000))
 def test_equals_the_definition_on_random_unwraps(seed):
     random = np.random.RandomState(seed)
