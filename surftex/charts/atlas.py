@@ -169,21 +169,11 @@ class Atlas:
             Columns are the steps, in the face's frame, for one texel to the right and one texel up. Zero on
             faces without area on the page.
         """
-        corner = self.corner_px(width, height) * [1.0, -1.0]
-        page = np.swapaxes(corner[:, 1:] - corner[:, :1], 1, 2)
-        flat = np.swapaxes(surface.flat[:, 1:] - surface.flat[:, :1], 1, 2)
-        twice = page[:, 0, 0] * page[:, 1, 1] - page[:, 0, 1] * page[:, 1, 0]
-        adjugate = np.stack(
-            [
-                np.stack([page[:, 1, 1], -page[:, 0, 1]], axis=1),
-                np.stack([-page[:, 1, 0], page[:, 0, 0]], axis=1),
-            ],
-            axis=1,
-        )
-        usable = np.abs(twice) > 1e-12
-        inverse = np.zeros_like(adjugate)
-        inverse[usable] = adjugate[usable] / twice[usable, None, None]
-        return flat @ inverse
+        from surftex.kernels.page import measure_steps
+
+        steps = np.zeros((len(self.corner_uv), 2, 2))
+        measure_steps(self.corner_px(width, height), surface.flat, steps)
+        return steps
 
     def texels_per_mm(self, surface: Surface, width: int) -> float:
         """Measure the density of the page.

@@ -58,37 +58,13 @@ def page_metric(surface: Surface, atlas: Atlas, width: int, height: int | None =
     metric : PageMetric
         Without stretch for faces that have no area on the page: no texel is theirs.
     """
-    jacobian = atlas.jacobian_mm(surface, width, height)
-    flip = np.where(np.linalg.det(jacobian) < 0, -1.0, 1.0)
-    cosine = jacobian[:, 0, 0] + jacobian[:, 1, 1] * flip
-    sine = jacobian[:, 1, 0] - jacobian[:, 0, 1] * flip
-    length = np.hypot(cosine, sine)
-    turned = length > 0
-    cosine = np.divide(cosine, length, out=np.ones_like(length), where=turned)
-    sine = np.divide(sine, length, out=np.zeros_like(length), where=turned)
-    axes = np.stack([cosine, -sine * flip, sine, cosine * flip], axis=1).reshape(-1, 2, 2)
-    stretch = axes.transpose(0, 2, 1) @ jacobian
-    return PageMetric(
-        stretch=frozen(np.stack([stretch[:, 0, 0], stretch[:, 0, 1], stretch[:, 1, 1]], axis=1)),
-        axes=frozen(axes),
-        weight=frozen(_weights(atlas.corner_px(width, height))),
-    )
+    from surftex.kernels.page import take_apart
 
-
-def _weights(corner: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Barycentric coordinates as affine functions of column and row; thirds where a face has no area."""
-    onward, far = np.roll(corner, -1, axis=1), np.roll(corner, -2, axis=1)
-    weight = np.stack(
-        [
-            onward[..., 0] * far[..., 1] - onward[..., 1] * far[..., 0],
-            onward[..., 1] - far[..., 1],
-            far[..., 0] - onward[..., 0],
-        ],
-        axis=2,
-    )
-    doubled = weight[:, :, 0].sum(axis=1)[:, None, None]
-    middle = np.broadcast_to([1 / 3, 0.0, 0.0], weight.shape).copy()
-    return np.divide(weight, doubled, out=middle, where=np.abs(doubled) > 1e-12)
+    count = len(atlas.corner_uv)
+    stretch, axes, weight = np.zeros((count, 3)), np.zeros((count, 2, 2)), np.zeros((count, 3, 3))
+    steps, corner = atlas.jacobian_mm(surface, width, height), atlas.corner_px(width, height)
+    take_apart(steps, corner, stretch, axes, weight)
+    return PageMetric(stretch=frozen(stretch), axes=frozen(axes), weight=frozen(weight))
 
 
 def stopped(surface: Surface, texels: Texels) -> NDArray[np.bool_]:

@@ -1,6 +1,7 @@
 """Slow, obvious twins of the maps room."""
 
 import numpy as np
+from scipy.linalg import polar
 
 
 def mikktspace(position, normal, uv):
@@ -52,6 +53,15 @@ def _meet(one, other, corner):
 def _flat(vector, normal):
     vector = vector - normal * (vector @ normal)
     return vector / np.linalg.norm(vector)
+
+
+def page_metric(corner, flat):
+    """Stretch and axes of one face by its polar decomposition, and weights by the inverse of its corners."""
+    page, side = ((part[1:] - part[0]).T for part in (corner * [1, -1], flat))
+    if abs(np.linalg.det(page)) < 1e-12:
+        return np.zeros((2, 2)), np.eye(2), np.outer(np.ones(3), [1 / 3, 0, 0])
+    axes, stretch = polar(side @ np.linalg.inv(page))
+    return stretch, axes, np.linalg.inv(np.column_stack([np.ones(3), corner])).T
 
 
 def object_normals(surface, tangents, face, barycentric, encoded):
