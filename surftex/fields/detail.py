@@ -15,8 +15,8 @@ _FIRST = 0.35
 _WAVELENGTHS = 5.3
 """Wavelength that an average loses half of, in its standard deviations."""
 
-_TOLERANCE = 1e-3
-"""Of the averages: a slope of five degrees is not told to a hundredth."""
+_TOLERANCE = 1e-2
+"""Of the averages: slopes are told to a hundredth of theirs."""
 
 _SLOPE, _SHARE = 0.09, 0.99
 """A wavelength counts as detail where slopes of five degrees are exceeded on a hundredth of the surface."""
