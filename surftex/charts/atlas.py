@@ -10,11 +10,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from surftex.arrays import checked, frozen
-from surftex.surface.surface import Surface
+from surftex.arrays import checked, frozen, read_only_view
+from surftex.surface.surface import Surface, hanging_together
 
 SAME_UV = 1e-6
 """Corners of two faces closer than this, as a share of the page, lie at one place of it."""
@@ -84,15 +82,9 @@ class Atlas:
         """
         uv = checked(corner_uv, "corner_uv", (len(surface.faces), 3, 2), np.float64)
         seam = chart_edges(surface, uv)
-        face, edge = np.nonzero(~seam)
-        count = len(surface.faces)
-        graph = coo_array(
-            (np.ones(len(face), np.int8), (face, surface.neighbor[face, edge])), shape=(count, count)
-        )
-        chart = connected_components(graph, directed=False)[1].astype(np.int32)
         return Atlas(
             corner_uv=frozen(uv.copy()),
-            chart=frozen(chart),
+            chart=hanging_together(surface, seam),
             seam=frozen(seam),
             unwrapper=unwrapper,
             resolution=int(resolution),
@@ -247,12 +239,9 @@ def chart_edges(surface: Surface, corner_uv: NDArray[np.float64]) -> NDArray[np.
         True at borders of the mesh, where the two sides of an edge lie apart on the page, and where the page
         is folded over along an edge.
     """
-    first, second = corner_uv[:, 1] - corner_uv[:, 0], corner_uv[:, 2] - corner_uv[:, 0]
-    side = np.sign(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
-    seam = np.ones(surface.neighbor.shape, bool)
-    face, edge = np.nonzero(surface.neighbor >= 0)
-    other, other_edge = surface.neighbor[face, edge], surface.neighbor_edge[face, edge]
-    start = np.abs(corner_uv[face, edge] - corner_uv[other, (other_edge + 1) % 3]).max(axis=1)
-    end = np.abs(corner_uv[face, (edge + 1) % 3] - corner_uv[other, other_edge]).max(axis=1)
-    seam[face, edge] = (np.maximum(start, end) > SAME_UV) | (side[face] != side[other])
+    from surftex.kernels.page import find_seams
+
+    seam = np.zeros(surface.neighbor.shape, bool)
+    corner = read_only_view(corner_uv, np.float64)
+    find_seams(corner, surface.neighbor, surface.neighbor_edge, SAME_UV, seam)
     return seam

@@ -1,11 +1,37 @@
-"""What a step across the page is on the surface, face by face."""
+"""The page face by face: where charts end, and what a step across it is on the surface."""
 
 import math
 
-from surftex.kernels.jit import kernel
+from surftex.kernels.jit import kernel, part
 
 _FLAT = 1e-12
 """Twice the area on the page, in square texels, up to which a face has none."""
+
+
+@kernel
+def find_seams(corner, neighbor, neighbor_edge, same, seam):
+    """Find the edges without a neighbour, or whose two sides lie farther apart on the page than `same`, or are folded over.
+
+    corner (m, 3, 2) float64; neighbor, neighbor_edge (m, 3) int32 -> seam (m, 3) bool.
+    """
+    for f in range(len(corner)):
+        for i in range(3):
+            g, j = neighbor[f, i], neighbor_edge[f, i]
+            seam[f, i] = g < 0 or _side(corner, f) != _side(corner, g)
+            if not seam[f, i]:
+                for k in range(2):
+                    start = abs(corner[f, i, k] - corner[g, (j + 1) % 3, k])
+                    end = abs(corner[f, (i + 1) % 3, k] - corner[g, j, k])
+                    seam[f, i] |= max(start, end) > same
+
+
+@part
+def _side(corner, f):
+    """Whether a face lies face up on the page, 1, or is mirrored, -1; 0 without area."""
+    a, b = corner[f, 1, 0] - corner[f, 0, 0], corner[f, 1, 1] - corner[f, 0, 1]
+    c, d = corner[f, 2, 0] - corner[f, 0, 0], corner[f, 2, 1] - corner[f, 0, 1]
+    twice = a * d - b * c
+    return (twice > 0.0) - (twice < 0.0)
 
 
 @kernel

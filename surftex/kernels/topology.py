@@ -1,4 +1,4 @@
-"""Walks around vertices: the ordered fan of corners at each vertex."""
+"""Walks over faces: the ordered fan of corners at each vertex, and the parts that faces hang together in."""
 
 from surftex.kernels.jit import kernel
 
@@ -40,3 +40,27 @@ def vertex_fans(corner_start, corner_of, neighbor, neighbor_edge, corner_angle, 
         if k < last:
             return vertex
     return -1
+
+
+@kernel
+def label_parts(neighbor, apart, waiting, label):
+    """Give numbers to the parts that faces hang together in, in the order of their first faces.
+
+    neighbor (m, 3) int32, -1 where there is none; apart (m, 3) bool: edges that part faces; waiting (m,) int32 room ->
+    label (m,) int32.
+    """
+    label[:] = -1
+    count = 0
+    for first in range(len(neighbor)):
+        if label[first] >= 0:
+            continue
+        label[first], waiting[0], left = count, first, 1
+        while left > 0:
+            left -= 1
+            face = waiting[left]
+            for i in range(3):
+                other = neighbor[face, i]
+                if other >= 0 and not apart[face, i] and label[other] < 0:
+                    label[other], waiting[left] = count, other
+                    left += 1
+        count += 1

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from surftex.arrays import checked, frozen
+from surftex.arrays import checked, frozen, read_only_view
 from surftex.errors import SurfaceError
 from surftex.surface.parts import Labels
 
@@ -378,11 +378,7 @@ class Surface:
     @cached_property
     def component(self) -> NDArray[np.int32]:
         """(m,) index of the connected component of each face."""
-        face, edge = np.nonzero(self.neighbor >= 0)
-        graph = coo_array(
-            (np.ones(len(face), np.int8), (face, self.neighbor[face, edge])), shape=(len(self.faces),) * 2
-        )
-        return frozen(connected_components(graph, directed=False)[1].astype(np.int32))
+        return hanging_together(self, self.neighbor < 0)
 
     @cached_property
     def vertex_normal(self) -> NDArray[np.float64]:
@@ -448,3 +444,25 @@ def _glue(faces: NDArray[np.int32], vertex_count: int) -> tuple[NDArray[np.int32
     neighbor = np.where(twin >= 0, twin // 3, -1).astype(np.int32).reshape(-1, 3)
     edge = np.where(twin >= 0, twin % 3, 0).astype(np.int32).reshape(-1, 3)
     return neighbor, edge
+
+
+def hanging_together(surface: Surface, apart: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Give numbers to the parts of a surface that faces hang together in.
+
+    Parameters
+    ----------
+    surface : Surface
+        m faces.
+    apart : (m, 3) bool
+        Edges that part faces, on both sides; borders do so anyway.
+
+    Returns
+    -------
+    part : (m,) int32
+        Of each face, counted from 0 in the order of their first faces. Read-only.
+    """
+    from surftex.kernels.topology import label_parts
+
+    part = np.zeros(len(surface.faces), np.int32)
+    label_parts(surface.neighbor, read_only_view(apart, bool), np.zeros_like(part), part)
+    return frozen(part)

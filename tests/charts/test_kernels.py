@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from surftex.arrays import frozen
+from surftex.charts.atlas import SAME_UV, Atlas
 from surftex.charts.fill import fill_nearest, nearest_mapped
 from surftex.charts.lookup import bilinear, half
 from surftex.charts.overlap import MARGIN_PX, overlapping_faces
@@ -66,6 +67,23 @@ def test_gutter_finds_the_nearest_edge(seed):
     nearest_edge_band(corner, edge_face, edge_side, listed, 6.0, 0, face, near, square, owner)
     assert np.array_equal(owner, oracle.nearest_edges(corner, edges, 6.0, face))
     assert (owner >= 0).any()
+
+
+@pytest.mark.parametrize(
+    "surface", [sphere(subdivisions=2), cylinder(columns=14, rows=7)], ids=["ball", "tube"]
+)
+def test_charts_end_where_the_two_sides_of_an_edge_part(surface):
+    corner = np.round(surface.vertices[surface.faces] @ [[1, 0], [0, 1], [0.3, 0.2]], 3) / 100
+    beyond = surface.vertices[surface.faces].mean(axis=1) > 0.1
+    moved = np.zeros((4, *surface.faces.shape, 1))
+    for k, far in enumerate((0.25, 1.5 * SAME_UV, 0.5 * SAME_UV)):
+        moved[k, beyond[:, k]] = far
+    moved[3, ::7, 1] = 0.25
+    for far in moved:
+        atlas = Atlas.of(surface, corner + far)
+        assert np.array_equal(atlas.seam, oracle.seams(surface.faces, atlas.corner_uv, SAME_UV))
+        assert np.array_equal(atlas.chart, oracle.parts(surface.neighbor, atlas.seam))
+        assert atlas.chart_count > 1
 
 
 WALKS = {

@@ -137,3 +137,27 @@ def bilinear(image, uv):
                 total = total + share * texel.astype(float)
         mixed.append(total)
     return np.array(mixed)
+
+
+def seams(faces, corner_uv, same):
+    """Edges that no other face runs back along at the same places of the page and with the same side up."""
+    seam = np.ones(faces.shape, bool)
+    (a, b), (c, d) = (corner_uv[:, 1:] - corner_uv[:, :1]).transpose(1, 2, 0)
+    side = np.sign(a * d - b * c)
+    for f, i in np.ndindex(seam.shape):
+        for g, j in np.ndindex(seam.shape):
+            if faces[f, i] == faces[g, (j + 1) % 3] and faces[f, (i + 1) % 3] == faces[g, j]:
+                apart = corner_uv[f, [i, (i + 1) % 3]] - corner_uv[g, [(j + 1) % 3, j]]
+                seam[f, i] = np.abs(apart).max() > same or side[f] != side[g]
+    return seam
+
+
+def parts(neighbor, apart):
+    """Numbers of faces, each again and again the lowest across its edges; counted off at the end."""
+    number = np.arange(len(neighbor))
+    for _ in number:
+        number = np.where(apart | (neighbor < 0), number[:, None], number[neighbor]).min(
+            axis=1, initial=len(number)
+        )
+        number = np.minimum(number, np.arange(len(neighbor)))
+    return np.unique(number, return_inverse=True)[1]
