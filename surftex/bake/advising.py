@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 
 from surftex.bake.cost import bake_seconds, foreseen_density
-from surftex.bake.limits import foresee, refuse_too_many
+from surftex.bake.limits import Foreseen
 from surftex.bake.scales import size_warnings
 from surftex.bake.stages import Stages
 from surftex.charts.atlas import Atlas
 from surftex.charts.unwrap import tiles_for
-from surftex.fields.fieldset import FieldSet
 from surftex.recipe.model import Recipe
 from surftex.surface.surface import Surface
 
@@ -46,7 +45,12 @@ def foretell_sizes(recipe: Recipe, surface: Surface, own: Atlas | None, stages: 
 
 
 def foretell_time(
-    recipe: Recipe, surface: Surface, fields: FieldSet, own: Atlas | None, threads: int | None, stages: Stages
+    recipe: Recipe,
+    surface: Surface,
+    foreseen: list[Foreseen],
+    own: Atlas | None,
+    threads: int | None,
+    stages: Stages,
 ) -> None:
     """Tell about how long a bake would take, where that is long; features are to be placed anew.
 
@@ -56,24 +60,17 @@ def foretell_time(
         What is to be baked.
     surface : Surface
         Where.
-    fields : FieldSet
-        The recipe's fields on that surface.
+    foreseen : list of Foreseen
+        From `surftex.bake.limits.foresee`.
     own : Atlas or None
         The mesh's own unwrap, where that is kept.
     threads : int or None
         None means every core.
     stages : Stages
         Who is told.
-
-    Raises
-    ------
-    RecipeError
-        If a layer does not fit the surface, or all together would lay too many features.
     """
     if not stages.has_listener:
         return
-    foreseen = foresee(recipe, surface, fields)
-    refuse_too_many(recipe, foreseen)
     settings, tiles = recipe.bake, 1
     if own is not None:
         tiles = len(own.tiles)

@@ -219,11 +219,13 @@ def _bake(
         foretold = foretell_sizes(recipe, surface, own, stages)
         with stages.stage("place") as tick:
             known = given if key is None else remembered_features(key)
-            if given is None and known is not None:
-                refuse_too_many(recipe, foresee(recipe, surface, fields))
-            if known is None and not begun:
-                foretell_time(recipe, surface, fields, own, threads, stages)
-            options: Any = {"features": known, "begun": begun, "threads": threads}
+            foreseen = None
+            if given is None:
+                foreseen = foresee(recipe, surface, fields)
+                refuse_too_many(recipe, foreseen)
+                if known is None and not begun:
+                    foretell_time(recipe, surface, foreseen, own, threads, stages)
+            options: Any = {"features": known, "begun": begun, "foreseen": foreseen, "threads": threads}
             if growth is None:
                 stack = place_stack(recipe, surface, fields, tick=tick, **options)
             else:

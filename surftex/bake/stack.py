@@ -1,9 +1,9 @@
 """The stack: patterns laid over one another by their masks, evaluated at samples."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ from surftex.recipe.model import Recipe
 from surftex.surface.bodies import Bodies
 from surftex.surface.points import Samples
 from surftex.surface.surface import Surface
+
+if TYPE_CHECKING:
+    from surftex.bake.limits import Foreseen
 
 Features = Mapping[str, NDArray]
 
@@ -195,6 +198,7 @@ def place_stack(
     *,
     features: Features | None = None,
     begun: Features | None = None,
+    foreseen: "list[Foreseen] | None" = None,
     threads: int | None = None,
     tick: Tick | None = None,
 ) -> Stack:
@@ -212,6 +216,8 @@ def place_stack(
         Take these, as `Stack.features` had them, and place nothing anew.
     begun : mapping of str to structured array, optional
         Growths to go on from, named in the same way.
+    foreseen : list of Foreseen, optional
+        From `surftex.bake.limits.foresee`, if it is known already, and not too many.
     threads : int, optional
         None means every core.
     tick : callable, optional
@@ -227,12 +233,13 @@ def place_stack(
     RecipeError
         If a layer does not fit the surface, or all together would lay too many features; the message names it.
     """
-    from surftex.bake.limits import Foreseen, foresee, refuse_too_many
+    from surftex.bake.limits import foresee, refuse_too_many
 
     patterns, masks = [], []
     count, left = len(recipe.layer), recipe.bake.max_features
-    foreseen: Sequence[Foreseen] = ()
-    if features is None:
+    if features is not None:
+        foreseen = []
+    elif foreseen is None:
         foreseen = foresee(recipe, surface, fields)
         refuse_too_many(recipe, foreseen)
     for i in range(count):

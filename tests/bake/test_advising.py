@@ -94,6 +94,15 @@ def test_long_bakes_tell_their_time_before_placing_and_short_ones_do_not(sheet, 
     assert said.index(told[0]) == said.index("place") + 1
 
 
+def test_features_are_foreseen_once(monkeypatch):
+    from surftex.bake import limits
+
+    asked, foresee = [], limits.foresee
+    monkeypatch.setattr(limits, "foresee", lambda *args: asked.append(args) or foresee(*args))
+    heard(Recipe.of(CALF, resolution=64), sphere(20.0, subdivisions=2))
+    assert len(asked) == 1
+
+
 def test_the_time_is_the_one_that_inspect_tells():
     from surftex.bake.cost import bake_cost, bake_seconds
     from surftex.bake.fields import make_fields
