@@ -10,9 +10,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse import csr_array, diags_array
 
 from surftex.geodesics.factors import Factors, solved_by_steps
+from surftex.geodesics.modes import lowest_mode
 from surftex.surface.points import SurfacePoints
 from surftex.surface.surface import Surface
 
@@ -21,12 +22,6 @@ FACTORED_VERTICES = 400_000
 
 _LEAST_WEIGHT, _MOST_WEIGHT = 1e-2, 1e2
 """Bounds of an edge's weight: 0.58 between equilateral triangles, negative or huge between slivers."""
-
-_KRYLOV = 20
-"""Fields kept beside one another while the smoothest is sought."""
-
-_SETTLED = 1e-6
-"""Share of itself by which one more step would change the smoothest field."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,14 +156,15 @@ class Connection:
         value : (n,) complex128
             At the vertices; 0 where no face is.
         """
-        every = np.arange(len(self.surface.faces), dtype=np.int32)
-        weight = self.surface.corner_angle
-        there = weight * value[:, None] * np.exp(-1j * self.symmetry * self.corner_turn(every))
-        index, count = self.surface.faces.ravel(), len(self.surface.vertices)
-        total = np.bincount(index, there.real.ravel(), count) + 1j * np.bincount(
-            index, there.imag.ravel(), count
-        )
-        return total / np.maximum(np.bincount(index, weight.ravel(), count), np.finfo(float).tiny)
+        from surftex.kernels.connection import gather_directions
+
+        first, corner, walked = self.surface.fans
+        result = np.zeros(len(self.surface.vertices), np.complex128)
+        gather_directions(
+            first, corner, walked, self.surface.corner_angle, self.edge_angle, self.stretch,
+            self.symmetry, np.asarray(value, np.complex128), result,
+        )  # fmt: skip
+        return result
 
     def index(self, value: NDArray[np.complex128]) -> NDArray[np.int64]:
         """Count a field's turns around each face, in steps of 1 / symmetry: 0 but at singularities.
@@ -189,22 +185,25 @@ class Connection:
         return np.rint((change.sum(axis=1) + self.symmetry * curvature) / (2 * np.pi)).astype(np.int64)
 
     @cached_property
-    def laplacian(self) -> csc_array:
+    def laplacian(self) -> csr_array:
         """(n, n) Hermitian, not negative: how much a field changes along edges."""
-        angle = np.roll(self.surface.corner_angle, -2, axis=1)
-        half = 0.5 / np.tan(np.clip(angle, 1e-9, np.pi - 1e-9))
-        glued = self.surface.neighbor >= 0
-        other = half[np.maximum(self.surface.neighbor, 0), self.surface.neighbor_edge]
-        weight = np.clip(half + np.where(glued, other, 0.0), _LEAST_WEIGHT, _MOST_WEIGHT)
-        weight = (weight * np.where(glued, 0.5, 1.0)).ravel()
-        start, end = self.surface.faces.ravel(), np.roll(self.surface.faces, -1, axis=1).ravel()
-        carried = -weight * np.exp(1j * self.symmetry * self.edge_turn.ravel())
-        count = len(self.surface.vertices)
-        diagonal = np.bincount(start, weight, count) + np.bincount(end, weight, count)
-        rows, columns = np.concatenate([end, start]), np.concatenate([start, end])
-        entries = np.concatenate([carried, carried.conj()])
-        off = coo_array((entries, (rows, columns)), shape=(count, count))
-        return csc_array(off + diags_array(np.where(diagonal > 0, diagonal, 1.0)))
+        from surftex.kernels.connection import edge_entries, laplacian_rows
+
+        surface = self.surface
+        first, corner, _ = surface.fans
+        weight, entry = np.zeros(surface.faces.shape), np.zeros(surface.faces.shape, np.complex128)
+        edge_entries(
+            surface.neighbor, surface.neighbor_edge, surface.corner_angle, self.edge_turn, self.symmetry,
+            1e-9, _LEAST_WEIGHT, _MOST_WEIGHT, weight, entry,
+        )  # fmt: skip
+        count = len(surface.vertices)
+        size = count + entry.size + int((surface.neighbor < 0).sum())
+        start, column = np.zeros(count + 1, np.int32), np.zeros(size, np.int32)
+        value = np.zeros(size, np.complex128)
+        laplacian_rows(surface.faces, surface.neighbor, first, corner, weight, entry, start, column, value)
+        result = csr_array((value, column, start), shape=(count, count))
+        result.sum_duplicates()
+        return result
 
     def smoothed(self, value: NDArray[np.complex128], pull: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Field that changes little and is pulled towards given directions.
@@ -228,76 +227,17 @@ class Connection:
             return solved_by_steps(matrix, pull * value, np.where(pull > 0, value, 0.0))
         return Factors(matrix).solve(pull * value)
 
-    def lowest(self, start: NDArray[np.complex128], *, most: int = 60) -> NDArray[np.complex128]:
-        """Smoothest field on each component, by inverse iteration in Krylov spaces (Lanczos [1]_).
+    def lowest(self, start: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Smoothest field on each component.
 
         Parameters
         ----------
         start : (n,) complex128
-            Where several fields are equally smooth, the nearest to this one is found.
-        most : int
-            Solves at most.
+            Where several fields are equally smooth, one near to this is found.
 
         Returns
         -------
         value : (n,) complex128
             Of unit mean square on each component.
-
-        References
-        ----------
-        .. [1] Lanczos. An Iteration Method for the Solution of the Eigenvalue Problem. J. Res. NBS 45 (1950).
         """
-        mass = np.where(self.mass > 0, self.mass, 1.0)
-        area = np.bincount(self.component, mass)
-        solver = Factors(self.laplacian + diags_array(1e-6 * mass / area[self.component]))
-        share = mass / area[self.component]
-        value, moving = self._scaled(start, share), True
-        while moving and most > 0:
-            value, moving = self._ritz(solver, mass, share, value, min(most, _KRYLOV))
-            most -= _KRYLOV
-        return value
-
-    def _ritz(
-        self, solver: Factors, mass: NDArray[np.float64], share: NDArray[np.float64],
-        start: NDArray[np.complex128], steps: int,
-    ) -> tuple[NDArray[np.complex128], bool]:  # fmt: skip
-        """Field of the Krylov space of `start` that changes least, and whether more steps would better it.
-
-        Components do not mix: each has its own space, which no longer grows once its field stands.
-        """
-        count = len(np.bincount(self.component))
-        basis, before = [start], np.zeros(count)
-        band = np.zeros((count, steps, steps))
-        moving, lead = np.ones(count, bool), np.ones((count, 1))
-        for step in range(steps):
-            here = basis[-1]
-            onward = solver.solve(mass * here)
-            level = self._sums(share * (here.conj() * onward).real)
-            onward -= level[self.component] * here
-            if step:
-                onward -= before[self.component] * basis[-2]
-            band[:, step, step] = level
-            numbers, vectors = np.linalg.eigh(band[:, : step + 1, : step + 1])
-            lead = np.where(vectors[:, :1, -1] < 0, -1.0, 1.0) * vectors[:, :, -1]
-            before = np.sqrt(self._sums(share * np.abs(onward) ** 2))
-            moving &= before * np.abs(lead[:, -1]) > _SETTLED * numbers[:, -1]
-            if step + 1 == steps or not moving.any():
-                break
-            before = np.where(moving, before, 0.0)
-            band[:, step, step + 1] = band[:, step + 1, step] = before
-            basis.append(
-                onward * np.where(moving, 1 / np.where(before > 0, before, 1.0), 0.0)[self.component]
-            )
-        value = np.zeros_like(start)
-        for column, vector in zip(lead.T, basis, strict=True):
-            value += column[self.component] * vector
-        return self._scaled(value, share), bool(moving.any())
-
-    def _sums(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Sum over the vertices of each component."""
-        return np.bincount(self.component, value).astype(np.float64, copy=False)
-
-    def _scaled(self, value: NDArray[np.complex128], share: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Scale to a unit mean square on each component; `share` of each vertex in its area."""
-        square = self._sums(share * np.abs(value) ** 2)
-        return value / np.sqrt(np.maximum(square, np.finfo(float).tiny))[self.component]
+        return lowest_mode(self.laplacian, self.mass, self.component, start)

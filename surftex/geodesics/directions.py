@@ -276,10 +276,12 @@ def _laid(
     surface: Surface, axis: NDArray[np.float64], symmetry: int
 ) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
     """Direction of an axis laid onto each face, and the square of the share of it that lies in the face."""
-    along = surface.frame[:, :2] @ axis @ np.array([1, 1j])
+    along = surface.frame[:, 0] @ axis + 1j * (surface.frame[:, 1] @ axis)
     length = np.abs(along)
-    unit = np.where(length > 1e-9, along / np.maximum(length, 1e-9), 0.0)
-    return unit**symmetry, length**2
+    unit = np.where(length > 1e-9, 1 / np.maximum(length, 1e-9), 0.0) * along
+    for _ in range(symmetry // 2):  # 1, 2 or 4
+        unit = unit * unit
+    return unit, length**2
 
 
 def _smoothest(connection: Connection) -> NDArray[np.complex128]:

@@ -6,9 +6,11 @@ import pytest
 from surftex.features.through import curves_through
 from surftex.geodesics.bounds import nearest_bound
 from surftex.geodesics.curves import flood_curves, nearest_curves
+from surftex.geodesics.directions import DirectionField
 from surftex.geodesics.tracing import trace
 from surftex.geodesics.windows import flood_points, nearest
 from surftex.surface.shapes import sphere
+from surftex.surface.surface import Surface
 from tests.benchmarks.growth import exponent
 from tests.oracles.geodesics import random_points
 
@@ -78,3 +80,26 @@ def test_curves_through(benchmark, ball, count):
     walks = trace(ball, random_points(ball, count, 11), np.linspace(0, 6, count), 20.0)
     points = walks.pieces.points(ball, 0.5)
     benchmark(curves_through, ball, points, walks.pieces.curve, chord_mm=np.full(count, 1.0), threads=1)
+
+
+@pytest.fixture(scope="module")
+def bumpy():
+    """Balls without symmetry, by their subdivisions."""
+    result = {}
+    for subdivisions in (4, 5, 6):
+        even = sphere(40.0, subdivisions=subdivisions)
+        x, y, z = even.vertices.T / 40
+        swell = 1 + 0.2 * np.sin(3 * x + 1) + 0.15 * np.cos(2 * y - z) + 0.1 * z**3
+        result[subdivisions] = Surface.from_arrays(even.vertices * swell[:, None], even.faces)
+        DirectionField.smoothest(result[subdivisions], 2)  # what the surface keeps is not asked again
+    return result
+
+
+def test_smoothest_field_grows_with_the_faces(bumpy):
+    by_faces = {len(shape.faces): shape for shape in bumpy.values()}
+    assert exponent(lambda faces: DirectionField.smoothest(by_faces[faces], 2), list(by_faces)) < 1.2
+
+
+@pytest.mark.parametrize("subdivisions", [4, 5, 6])
+def test_smoothest_field(benchmark, bumpy, subdivisions):
+    benchmark(DirectionField.smoothest, bumpy[subdivisions], 2)
