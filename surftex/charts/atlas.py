@@ -100,7 +100,8 @@ class Atlas:
     @cached_property
     def tile(self) -> NDArray[np.int64]:
         """(m,) int64: number of each face's page, 1001 + column + 10 row, counted from the lower left."""
-        column, row = np.floor(self.corner_uv.mean(axis=1)).astype(np.int64).T
+        middle = (self.corner_uv[:, 0] + self.corner_uv[:, 1] + self.corner_uv[:, 2]) / 3
+        column, row = np.floor(middle).astype(np.int64).T
         return frozen(1001 + column + 10 * row)
 
     @cached_property
@@ -141,7 +142,10 @@ class Atlas:
             Column and row of each corner; rows run down, texel centres lie at one half. Read-only.
         """
         height = width if height is None else height
-        return frozen((self.corner_uv * [1.0, -1.0] + [0.0, 1.0]) * [float(width), float(height)])
+        corner = np.zeros_like(self.corner_uv)
+        corner[..., 0] = self.corner_uv[..., 0] * width
+        corner[..., 1] = (1.0 - self.corner_uv[..., 1]) * height
+        return frozen(corner)
 
     def jacobian_mm(self, surface: Surface, width: int, height: int | None = None) -> NDArray[np.float64]:
         """Say how many millimetres a step of a texel is, per face.

@@ -1,12 +1,12 @@
 """Pictures without holes: every texel that stands for no place takes the value of the nearest one that does."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.arrays import frozen
+from surftex.arrays import read_only_view
 from surftex.errors import InputError
 from surftex.kernels.pool import slices
 from surftex.paged import let_go
@@ -34,17 +34,13 @@ def nearest_mapped(mapped: NDArray[np.bool_], *, threads: int | None = None) -> 
     InputError
         If no texel is mapped.
     """
-    from surftex.kernels.gutter import nearest_in_rows
+    source = np.arange(mapped.size)
 
-    row = _nearest_rows(mapped)
-    height, width = mapped.shape
-    source = np.zeros((height, width), np.int64)
+    def take(place: NDArray[np.int64], nearest: NDArray[np.int64]) -> None:
+        source[place] = nearest
 
-    def work(first: int, last: int) -> None:
-        nearest_in_rows(row, first, last, np.zeros(width, np.int64), np.zeros(width + 1), source[first:last])
-
-    slices(work, height, size=_ROWS, threads=threads)
-    return source
+    _gaps(mapped, take, threads)
+    return source.reshape(mapped.shape)
 
 
 def fill_nearest(
@@ -66,33 +62,38 @@ def fill_nearest(
     InputError
         If no texel is mapped.
     """
-    from surftex.kernels.gutter import nearest_in_rows
     from surftex.kernels.rows import repeat_rows
 
-    row = _nearest_rows(mapped)
-    width = mapped.shape[1]
     pages = [image.reshape(mapped.size, -1) for image in images]
 
-    def work(first: int, last: int) -> None:
-        source = np.zeros((last - first, width), np.int64)
-        nearest_in_rows(row, first, last, np.zeros(width, np.int64), np.zeros(width + 1), source)
-        free = np.flatnonzero(~mapped[first:last])
-        place, source = frozen(free + first * width), frozen(source.ravel()[free])
+    def take(place: NDArray[np.int64], source: NDArray[np.int64]) -> None:
         for page in pages:
             repeat_rows(place, source, page)
             let_go(page)
 
-    slices(work, len(mapped), size=_ROWS, threads=threads)
+    _gaps(mapped, take, threads)
 
 
-def _nearest_rows(mapped: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Row of the nearest mapped texel in each texel's column."""
-    from surftex.kernels.gutter import nearest_in_columns
+def _gaps(
+    mapped: NDArray[np.bool_],
+    take: Callable[[NDArray[np.int64], NDArray[np.int64]], None],
+    threads: int | None,
+) -> None:
+    """Hand out flat indices of the texels that are not mapped, and of the nearest mapped ones, some rows at a time."""
+    from surftex.kernels.gutter import nearest_in_columns, nearest_in_rows
 
     if not mapped.any():
         raise InputError(
             f"no texel of the {mapped.shape[1]} x {mapped.shape[0]} page is mapped; nothing can fill it"
         )
-    row = np.zeros(mapped.shape, np.int32)
+    row, width = np.zeros(mapped.shape, np.int32), mapped.shape[1]
     nearest_in_columns(np.ascontiguousarray(mapped), row)
-    return row
+
+    def work(first: int, last: int) -> None:
+        place, source = np.zeros((2, (last - first) * width), np.int64)
+        count = nearest_in_rows(
+            row, first, last, np.zeros(width, np.int64), np.zeros(width + 1), place, source
+        )
+        take(*(read_only_view(part[:count], np.int64) for part in (place, source)))
+
+    slices(work, len(mapped), size=_ROWS, threads=threads)

@@ -252,37 +252,43 @@ def nearest_in_columns(mapped, row):
 
 
 @kernel
-def nearest_in_rows(row, first, last, site, reach, source):
-    """Find the nearest mapped texel of each texel of rows [first, last): the lower envelope of its row's parabolas.
+def nearest_in_rows(row, first, last, site, reach, place, source):
+    """Find the nearest mapped texel of those of rows [first, last) that are not: the lower envelope of a gap's parabolas.
 
-    row (height, width) int32 of `nearest_in_columns`; site (width,) int64 and reach (width + 1,) float64:
-    room to work in; source (last - first, width) int64: flat index of the nearest mapped texel, -1 where nothing
-    is mapped.
+    row (height, width) int32 of `nearest_in_columns`, of a page where some texel is mapped; site (width,) int64 and reach
+    (width + 1,) float64: room to work in; place, source (as many as they may be,) int64: flat indices of the texel and of
+    the nearest mapped one. Returns how many there are.
     """
-    width = row.shape[1]
+    width, found = row.shape[1], 0
     for r in range(first, last):
-        count = 0
-        for c in range(width):
-            if row[r, c] < 0:
-                continue
-            rise = float(row[r, c] - r) ** 2
-            while True:
-                if count == 0:
-                    start = -math.inf
-                    break
-                b = site[count - 1]
-                start = ((rise + float(c) * c) - (float(row[r, b] - r) ** 2 + float(b) * b)) / (2.0 * (c - b))
-                if start > reach[count - 1]:
-                    break
-                count -= 1
-            site[count] = c
-            reach[count] = start
-            count += 1
-        k = 0
-        for c in range(width):
-            if count == 0:
-                source[r - first, c] = -1
-                continue
-            while k + 1 < count and reach[k + 1] < c:
-                k += 1
-            source[r - first, c] = row[r, site[k]] * width + site[k]
+        c = 0
+        while c < width:
+            left = c
+            while c < width and row[r, c] != r:
+                c += 1
+            count = 0
+            for right in range(max(left - 1, 0), min(c + 1, width) if c > left else 0):
+                if row[r, right] < 0:
+                    continue
+                rise = float(row[r, right] - r) ** 2
+                while True:
+                    if count == 0:
+                        start = -math.inf
+                        break
+                    b = site[count - 1]
+                    start = rise + float(right) * right - (float(row[r, b] - r) ** 2 + float(b) * b)
+                    start /= 2.0 * (right - b)
+                    if start > reach[count - 1]:
+                        break
+                    count -= 1
+                site[count] = right
+                reach[count] = start
+                count += 1
+            k = 0
+            for middle in range(left, c):
+                while k + 1 < count and reach[k + 1] < middle:
+                    k += 1
+                place[found], source[found] = r * width + middle, row[r, site[k]] * width + site[k]
+                found += 1
+            c += 1
+    return found
