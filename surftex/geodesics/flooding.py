@@ -13,6 +13,9 @@ from surftex.surface.surface import Surface
 
 SOURCES_A_SLICE = 256
 
+_FEW_ROWS, _MANY_ROWS = 1 << 12, 1 << 16
+"""Rows of a worker's first block and of its later ones."""
+
 MOST_WINDOWS = 50_000_000
 """Windows of one source; more means a mesh beyond repair, or a reach that only heat can serve."""
 
@@ -27,16 +30,24 @@ class _Worker:
         self.splits = np.zeros((corners, 2)), np.full((corners, 3), -1, np.int32)
         self.count = np.zeros(6, np.int64)
         self.queue = _queue(1 << 10)
-        self.rows = np.zeros((1 << 12, 10)), np.zeros((1 << 12, 3), np.int32)
+        self.rows = _rows(_FEW_ROWS)
+        self.taken = 0
 
     def longer_queue(self) -> None:
         """Double the room for windows that wait."""
         self.queue = _queue(2 * len(self.queue[0]))
 
-    def longer_rows(self) -> None:
-        """Double the room for rows, and keep what is there."""
-        row, row_id = self.rows
-        self.rows = np.concatenate([row, np.zeros_like(row)]), np.concatenate([row_id, np.zeros_like(row_id)])
+    def take_rows(self) -> list[tuple[NDArray[np.float64], NDArray[np.int32]]]:
+        """Give away the rows found since they were last taken; the block that they lie in is not written there again."""
+        first, last = self.taken, int(self.count[3])
+        self.taken = last
+        return [(self.rows[0][first:last], self.rows[1][first:last])] if last > first else []
+
+    def new_rows(self) -> None:
+        """Go on in another block; a longer one, as one source may fill the whole."""
+        size = len(self.rows[0])
+        self.rows = _rows(2 * size if self.taken == 0 else min(2 * size, _MANY_ROWS))
+        self.taken = self.count[3] = 0
 
     def pass_stamps(self, count: int) -> None:
         """Never use a stamp twice."""
@@ -50,6 +61,10 @@ class _Worker:
 def _queue(size: int) -> tuple[NDArray[Any], ...]:
     """Room for windows that wait: heap, links, windows."""
     return np.zeros(size), np.zeros((size, 2), np.int32), np.zeros((size, 8)), np.zeros((size, 5), np.int32)
+
+
+def _rows(size: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    return np.zeros((size, 10)), np.zeros((size, 3), np.int32)
 
 
 def flood_primitives(
@@ -112,10 +127,9 @@ def flood_primitives(
     faced = (*mesh[:-1], frozen(asked.astype(np.uint8)), bound)
     workers: list[_Worker] = []
 
-    def work(first: int, last: int) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    def work(first: int, last: int) -> list[tuple[NDArray[np.float64], NDArray[np.int32]]]:
         worker = workers.pop() if workers else _Worker(surface)
-        worker.count[3] = 0
-        full = -1
+        found, full = [], -1
         while full:
             room = (*worker.marks, *worker.splits, worker.count, *worker.queue, *worker.rows)
             first, full = flood(first, last, worker.stamp, *given, *faced, *room)
@@ -123,19 +137,20 @@ def flood_primitives(
             if full == 1:
                 worker.longer_queue()
             elif full == 2:
-                worker.longer_rows()
+                found += worker.take_rows()
+                worker.new_rows()
             elif full == 3:
                 source = int(order[first])
                 raise WorkError(
                     f"source {source} of {count} sends more than {most} windows within {radius[source]:g} mm; "
                     "ask for a smaller radius, or use method='heat'"
                 )
-        n = int(worker.count[3])
-        result = worker.rows[0][:n].copy(), worker.rows[1][:n].copy()
+        found += worker.take_rows()
         workers.append(worker)
-        return result
+        return found
 
-    parts = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)
+    parts = sum(slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick), [])
+    workers.clear()
     parts.reverse()
     place = np.zeros(faces + 1, np.int64)
     for _, ids in parts:
