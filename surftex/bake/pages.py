@@ -33,7 +33,7 @@ TILE_TEXELS = 1 << 21
 
 _TILE_ROWS = 512
 
-_SLICE = 1 << 14
+_SLICE = 1 << 15
 _FROM_HEIGHT = ("normal", "ambient_occlusion")
 _CHANNEL_OF = {"height": "height_mm", **dict.fromkeys(_FROM_HEIGHT, "height_mm")}
 

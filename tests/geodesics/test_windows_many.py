@@ -169,3 +169,16 @@ def test_distance_refuses_what_makes_no_sense():
         geodesic_distance(shape, point, point, -1.0)
     with pytest.raises(InputError, match="'exact' or 'heat'"):
         geodesic_distance(shape, point, point, method="best")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_rows_do_not_depend_on_the_blocks_they_are_found_in(monkeypatch, threads):
+    shape = torus()
+    sources = random_points(shape, 600, 8)
+    whole = flood_points(shape, sources, 12.0)
+    monkeypatch.setattr(flooding, "_FEW_ROWS", 16)  # less than one source finds
+    monkeypatch.setattr(flooding, "_MANY_ROWS", 2048)
+    pieced = flood_points(shape, sources, 12.0, threads=threads)
+    assert len(whole.row) > 20 * 2048
+    for name in ("row", "row_id", "start", "entry_row", "entry_least_mm"):
+        assert np.array_equal(getattr(whole, name), getattr(pieced, name)), name
