@@ -5,6 +5,7 @@ enough to matter in it. Distances from rows are exact within the radius of their
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,6 +64,11 @@ class Records:
     def surface(self) -> Surface:
         """The surface that was flooded."""
         return self.buckets.surface
+
+    @cached_property
+    def reached(self) -> NDArray[np.bool_]:
+        """(m,) the faces on which something may be found."""
+        return frozen(np.diff(self.start[self.buckets.first]) > 0)
 
     @property
     def nbytes(self) -> int:

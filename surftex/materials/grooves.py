@@ -72,7 +72,10 @@ def lines_at(
     lines : tuple of Line
         As many as `NEAREST`, or fewer where fewer meet.
     """
-    piece, distance, along, side = nearest_curves(records, points, NEAREST, threads=1)
+    near = np.flatnonzero(records.reached[points.face])
+    if not len(near):
+        return ()
+    piece, distance, along, side = nearest_curves(records, points.taken(near), NEAREST, threads=1)
     found, endless = [], closed(table)
     for rank in range(NEAREST):
         at = np.flatnonzero(piece[:, rank] >= 0)
@@ -83,7 +86,7 @@ def lines_at(
         passed = np.where(endless[own], length / 2, along[at, rank])  # everywhere as in its middle
         found.append(
             Line(
-                at,
+                near[at],
                 distance[at, rank].astype(np.float32),
                 share(passed, length).astype(np.float32),
                 np.minimum(passed, length - passed).astype(np.float32),
