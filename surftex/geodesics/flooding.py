@@ -149,7 +149,9 @@ def flood_primitives(
         workers.append(worker)
         return found
 
-    parts = sum(slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick), [])
+    found = slices(work, count, size=SOURCES_A_SLICE, threads=threads, tick=tick)
+    parts = [part for slice_parts in found for part in slice_parts]
+    found.clear()
     workers.clear()
     parts.reverse()
     place = np.zeros(faces + 1, np.int64)
