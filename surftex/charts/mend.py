@@ -122,7 +122,7 @@ def notch_faces(
     alone : (m,) bool
         With the smaller face of each such pair; without them the notches are wide.
     """
-    from scipy.spatial import KDTree
+    from surftex.kernels.notches import mark_notches
 
     page_px_per_mm = resolution * np.sqrt(TYPICAL_COVERAGE / surface.area_mm2)
     corner = sheet * page_px_per_mm
@@ -140,13 +140,12 @@ def notch_faces(
         along = ((step + 0.5) / count[index])[:, None]
         page = start[index] * (1 - along) + end[index] * along
         place = space[face, edge][index] * (1 - along) + space[face, (edge + 1) % 3][index] * along
-        layer = chart[face[index], None] * (4 * NOTCH_PX)
-        pairs = KDTree(np.hstack([page, layer])).query_pairs(NOTCH_PX, output_type="ndarray")
-        apart = np.linalg.norm(place[pairs[:, 0]] - place[pairs[:, 1]], axis=1) * page_px_per_mm
-        both = face[index[pairs[apart > APART_PX]]]
-        if len(both) == 0:
+        head, chain = np.full(1 << len(page).bit_length(), -1), np.zeros(len(page), np.int64)
+        apart_mm = APART_PX / page_px_per_mm
+        if not mark_notches(
+            page, place, face[index], chart, surface.face_area_mm2, NOTCH_PX, apart_mm, head, chain, alone
+        ):
             break
-        alone[_smaller(surface, both)] = True
     return alone
 
 

@@ -12,6 +12,7 @@ from surftex.charts.texels import texels
 from surftex.charts.unwrap import unwrap
 from surftex.errors import InputError
 from surftex.kernels.gutter import nearest_edge_band
+from surftex.kernels.notches import mark_notches
 from surftex.kernels.raster import raster_band
 from surftex.randomness import stream
 from surftex.surface.shapes import cylinder, sphere
@@ -84,6 +85,21 @@ def test_charts_end_where_the_two_sides_of_an_edge_part(surface):
         assert np.array_equal(atlas.seam, oracle.seams(surface.faces, atlas.corner_uv, SAME_UV))
         assert np.array_equal(atlas.chart, oracle.parts(surface.neighbor, atlas.seam))
         assert atlas.chart_count > 1
+
+
+@pytest.mark.parametrize("slots", [1, 256])
+def test_notches_are_near_on_the_page_and_far_in_space(slots):
+    draw = stream(slots, "samples")
+    page, place = draw.uniform(150, 2) * 30 - 15, draw.uniform(150, 3) * 2
+    face = (np.arange(150) % 40).astype(np.int64)
+    chart, area = (np.arange(40) % 3).astype(np.int32), np.arange(40) // 2 % 7 * 1.0
+    expected, marked = oracle.notches(page, place, face, chart, area, 2.5, 1.0), np.zeros(40, bool)
+    room = np.full(slots, -1), np.zeros(150, np.int64)
+    assert mark_notches(page, place, face, chart, area, 2.5, 1.0, *room, marked)
+    assert np.array_equal(marked, expected)
+    assert 0 < marked.sum() < 40
+    room[0][:] = -1
+    assert not mark_notches(page, place, face, chart, area, 2.5, 9.0, *room, marked)
 
 
 WALKS = {

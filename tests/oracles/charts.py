@@ -161,3 +161,15 @@ def parts(neighbor, apart):
         )
         number = np.minimum(number, np.arange(len(neighbor)))
     return np.unique(number, return_inverse=True)[1]
+
+
+def notches(page, place, face, chart, area, near, apart):
+    """Smaller faces of each two samples of a chart that are near on the page and far apart in space."""
+    marked = np.zeros(len(chart), bool)
+    for i in range(len(page)):
+        for j in range(i):
+            f, g = face[i], face[j]
+            close = np.linalg.norm(page[i] - page[j]) <= near and chart[f] == chart[g]
+            if close and np.linalg.norm(place[i] - place[j]) > apart:
+                marked[g if area[g] < area[f] else f] = True
+    return marked
