@@ -40,6 +40,14 @@ def repeat_rows(row, source, table):
 
 
 @kernel
+def index_rows(row, low, without, index):
+    """Write into index (n,) int32 at row[i] - low, of row (k,) int64, the number i, but for those in without (k,) bool."""
+    for i in range(len(row)):
+        if not without[i]:
+            index[row[i] - low] = i
+
+
+@kernel
 def sum_rows(row, table, total):
     """Add the rows row (k,) int64 of table (n, c) to total (c,) float64, one after another."""
     for c in range(table.shape[1]):

@@ -106,9 +106,11 @@ def texel_index(texels: Texels, without: NDArray[np.bool_]) -> NDArray[np.int32]
     index : (rows * width,) int32
         -1 where none is mapped. Read-only.
     """
+    from surftex.kernels.rows import index_rows
+
     first, last = texels.rows
     index = np.full((last - first) * texels.width, -1, np.int32)
-    index[texels.texel - first * texels.width] = np.where(without, -1, np.arange(len(texels), dtype=np.int32))
+    index_rows(read_only(texels.texel), first * texels.width, read_only(without), index)
     return read_only(index)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from surftex.arrays import frozen
 from surftex.kernels.ordering import order_by_face
-from surftex.kernels.rows import put_rows, repeat_rows, sum_rows
+from surftex.kernels.rows import index_rows, put_rows, repeat_rows, sum_rows
 from surftex.surface.points import Samples, SurfacePoints
 
 
@@ -36,6 +36,15 @@ def test_rows_are_put_repeated_and_summed_as_numpy_does(columns):
     total = np.ones(columns)
     sum_rows(frozen(row), table, total)
     np.testing.assert_allclose(total, 1 + expected[row].sum(axis=0, dtype=float), rtol=1e-14)
+
+
+def test_rows_are_found_by_their_place():
+    random = np.random.default_rng(7)
+    row, without = random.permutation(50)[:30].astype(np.int64) + 100, random.random(30) < 0.3
+    index = np.full(50, -1, np.int32)
+    index_rows(frozen(row), 100, frozen(without), index)
+    expected = [next((i for i in range(30) if row[i] == 100 + k and not without[i]), -1) for k in range(50)]
+    assert index.tolist() == expected
 
 
 def test_samples_are_taken_in_any_order():
