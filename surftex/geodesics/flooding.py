@@ -25,9 +25,9 @@ class _Worker:
 
     def __init__(self, surface: Surface) -> None:
         vertices, corners = len(surface.vertices), 3 * len(surface.faces)
-        self.stamp = 0
-        self.marks = np.zeros(vertices), np.full(vertices, -1, np.int32), np.full(vertices, -1, np.int32)
-        self.splits = np.zeros((corners, 2)), np.full((corners, 3), -1, np.int32)
+        self.stamp = 1  # 0 is no stamp: zeros are lent by the system, and cleared only where a flood comes
+        self.marks = np.zeros(vertices), np.zeros(vertices, np.int32), np.zeros(vertices, np.int32)
+        self.splits = np.zeros((corners, 2)), np.zeros((corners, 3), np.int32)
         self.count = np.zeros(6, np.int64)
         self.queue = _queue(1 << 10)
         self.rows = _rows(_FEW_ROWS)
@@ -53,9 +53,9 @@ class _Worker:
         """Never use a stamp twice."""
         self.stamp += count
         if self.stamp >= 2**31 - 2 * count:
-            self.stamp = 0
+            self.stamp = 1
             for stamps in (*self.marks[1:], self.splits[1]):
-                stamps.fill(-1)
+                stamps.fill(0)
 
 
 def _queue(size: int) -> tuple[NDArray[Any], ...]:

@@ -4,7 +4,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -151,14 +151,11 @@ def slices(
     with ThreadPoolExecutor(workers) as pool:
         futures = [pool.submit(work, first, last) for first, last in bounds]
         try:
-            pending = set(futures)
-            while pending:
-                done, pending = wait(pending, return_when=FIRST_COMPLETED)
-                for future in done:
-                    future.result()
+            for done, future in enumerate(as_completed(futures), 1):
+                future.result()
                 _go_on()
                 if tick:
-                    tick(1 - len(pending) / len(bounds))
+                    tick(done / len(bounds))
         except BaseException:
             for future in futures:
                 future.cancel()
