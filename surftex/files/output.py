@@ -10,13 +10,10 @@ import hashlib
 import os
 import secrets
 import shutil
-import signal
 import tempfile
-import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
 
 from surftex.errors import InputError, SurftexError, WorkError
 from surftex.files.locks import locked_where_possible
@@ -30,6 +27,7 @@ from surftex.files.workplace import (
     make_workplace,
     workplace_name,
 )
+from surftex.interrupts import undisturbed
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 """Failures that are none of the place, but of what is on it."""
@@ -105,7 +103,7 @@ def check_room(folder: Path) -> None:
         raise InputError(f"{folder}: cannot write in {nearest}: it is no folder; choose another folder")
     made: list[Path] = []
     try:
-        with _undisturbed():
+        with undisturbed():
             made.append(Path(tempfile.mkdtemp(prefix=".surftex-", dir=nearest)))
             _make_folders(made[0] / place.relative_to(nearest) / workplace_name(place, "_" * RANDOM), made)
             _remove(made)
@@ -147,18 +145,18 @@ def whole_output(folder: str | Path, *, overwrite: bool = False) -> Iterator[Pat
     workplace: Workplace | None = None
     try:
         with _told_in_a_line(folder):
-            with _undisturbed():
+            with undisturbed():
                 _make_folders(folder.absolute().parent, made)
                 workplace = make_workplace(folder)
             yield workplace.staged
             for path in workplace.staged.iterdir():
                 _sync(path)
-            with _undisturbed(f"interrupted, but {folder} is written, and whole"):
+            with undisturbed(f"interrupted, but {folder} is written, and whole"):
                 _publish(workplace, folder, overwrite)
                 made.clear()
                 workplace.leave()
     finally:
-        with _undisturbed():
+        with undisturbed():
             if workplace is not None:
                 workplace.leave()
             _remove(made)
@@ -264,32 +262,6 @@ def _told_in_a_line(folder: Path) -> Iterator[None]:
     except OSError as problem:
         reason = problem.strerror or problem
         raise WorkError(f"{folder}: cannot write: {reason}; nothing was left there") from None
-
-
-@contextmanager
-def _undisturbed(done: str = "") -> Iterator[None]:
-    """Let requests to end wait for the few milliseconds of a block, then obey; `done` is what to say after a success.
-
-    A mask of signals would not do: another thread can take them, and Python runs the handler here all the same.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield  # handlers run in the main thread alone
-        return
-    came: list[tuple[int, FrameType | None]] = []
-    usual = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    usual = {number: handler for number, handler in usual.items() if callable(handler)}
-    try:
-        for number in usual:
-            signal.signal(number, lambda *request: came.append(request))
-        yield
-    finally:
-        for number, handler in usual.items():
-            signal.signal(number, handler)
-    try:
-        for number, frame in came:
-            usual[signal.Signals(number)](number, frame)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(done) if done else KeyboardInterrupt from None
 
 
 def _make_folders(folder: Path, made: list[Path]) -> None:

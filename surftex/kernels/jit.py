@@ -16,6 +16,8 @@ from typing import Any, TypeVar
 
 import platformdirs
 
+from surftex.interrupts import undisturbed
+
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(platformdirs.user_cache_dir("surftex")) / "kernels"))
 
 import numba  # after the line above: the cache folder is read when numba is imported
@@ -112,6 +114,14 @@ def kernel(function: Callable[..., Result]) -> Callable[..., Result]:
         Of the same arguments.
     """
     compiled: Any = numba.njit(**_ALL)(function)
+    usual = compiled.compile
+
+    def compile_undisturbed(signature: Any) -> Any:
+        """Compile or load; an interrupt that hits the compiler as it calls back to Python would be lost."""
+        with undisturbed():
+            return usual(signature)
+
+    compiled.compile = compile_undisturbed
     with suppress(RuntimeError):  # no folder can be written: compiled anew in every process
         compiled._cache = _Cache(function)
     return compiled

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from surftex import interrupts
 from surftex.files.output import file_hashes
 from surftex.kernels import jit
 from surftex.randomness import stream
@@ -173,6 +174,7 @@ def test_kernels_are_compiled_again_when_a_part_of_them_changes(folder):
     text = (Path(jit.__file__)).read_text()
     for name, content in {
         "../__init__.py": "",
+        "../interrupts.py": Path(interrupts.__file__).read_text(),
         "__init__.py": "",
         "jit.py": text,
         "factor.py": "from surftex.kernels.jit import part\n\n\n@part\ndef factor():\n    return 2\n",
