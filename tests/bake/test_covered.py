@@ -121,6 +121,7 @@ def test_pictures_that_are_white_close_by_leave_out_a_body(black_mm, covers):
     assert {name for name in "abc" if covered[NUMBER[name]]} == {*covers}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("preset", ALONE)
 def test_a_layer_lies_on_a_body_as_on_a_mesh_of_it_alone(preset):
     made = recipe("part('b')", preset)
@@ -320,6 +321,7 @@ def test_what_grows_on_bodies_is_kept_with_the_faces_of_the_whole():
     assert (kept[0][2] == np.flatnonzero(WHOLE.part == 2)[[0, 1, 5, 7]]).all()
 
 
+@pytest.mark.slow
 def test_a_growth_goes_on_only_on_the_bodies_that_it_began_on(tmp_path):
     def key(mask, preset="even"):
         made = recipe(mask, preset)

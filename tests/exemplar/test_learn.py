@@ -138,6 +138,7 @@ def test_fours_leave_out_the_tint_that_cannot_be_seen():
     assert beside.bands.telling == (0, 1, 3)
 
 
+@pytest.mark.slow
 def test_tints_follow_their_light_along_curves():
     grey = pebbles(128).astype(float)
     bent = 255 * (grey / 255) ** 2
