@@ -21,7 +21,7 @@ def undisturbed(done: str = "") -> Iterator[None]:
     Yields
     ------
     None
-        The block, of some milliseconds.
+        The block: some milliseconds, or the seconds in which a kernel is compiled.
 
     Raises
     ------

@@ -191,8 +191,6 @@ def _bake_page(
         share = (
             None if tick is None else lambda done, a=first, b=last: tick((a + (b - a) * done) / resolution)
         )
-        for image in images.values():
-            image[first:last] = 0  # or threads that share a piece of new memory would each have it cleared
         height = _evaluated(surface, stack, tile, (first, last), images, tally, threads, share)
         own = slice(*np.searchsorted(tile.texel, [first * resolution, last * resolution]))
         place = tile.texel[own]

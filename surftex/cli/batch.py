@@ -53,7 +53,7 @@ def _warm(options: Namespace) -> None:
     if store.is_warm():
         return
     if not options.quiet:
-        note("compiling kernels, once; this takes about half a minute")
+        note("compiling kernels, once; this takes most of a minute")
     from surftex.bake.warming import warm
 
     warm()

@@ -32,7 +32,7 @@ def run(options: Namespace) -> None:
         return
     started = time.perf_counter()
     if not store.is_warm() and not options.quiet:
-        note("compiling kernels, once; this takes about half a minute")
+        note("compiling kernels, once; this takes most of a minute")
     from surftex.bake.warming import warm
 
     warm()

@@ -149,5 +149,5 @@ class ColdWatch(Watch):
         """As `Watch`."""
         if self.cold and stage != "load":
             self.cold = False
-            note("compiling kernels, once; this takes about half a minute")
+            note("compiling kernels, once; this takes most of a minute")
         super().__call__(stage, share)

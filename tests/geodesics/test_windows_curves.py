@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from surftex.errors import InputError, SurfaceError
+from surftex.geodesics.buckets import Buckets
 from surftex.geodesics.curves import flood_curves, nearest_curve, nearest_curves
 from surftex.geodesics.pieces import CurvePieces
 from surftex.geodesics.tracing import trace
@@ -135,3 +136,16 @@ def test_no_curves_reach_nothing_and_faces_are_checked():
     assert (side == 0).all()
     with pytest.raises(SurfaceError, match="1 of 1 pieces lie on faces outside"):
         flood_curves(shape, CurvePieces.of([99], [[0, 0]], [[1, 0]], [0]), 1.0)
+
+
+@pytest.mark.parametrize("cell_mm", [0.5, 50.0])
+def test_faces_that_a_curve_reaches_are_those_on_which_it_is_found(cell_mm):
+    shape = rough()
+    pieces = trace(shape, random_points(shape, 4, 5), np.array([0.3, 1.7, 2.9, 4.4]), 40.0).pieces
+    records = flood_curves(shape, pieces, 2.0, buckets=Buckets.of(shape, cell_mm))
+    targets = random_points(shape, 60_000, 7)
+    found = nearest_curve(records, targets)[0] >= 0
+    assert records.reached[targets.face[found]].all()
+    seen = np.bincount(targets.face, found, len(shape.faces)) > 0
+    assert 0.02 < (records.reached & seen).sum() / len(shape.faces) < 0.5
+    assert (records.reached & ~seen).sum() < 0.2 * seen.sum()
