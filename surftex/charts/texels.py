@@ -281,7 +281,13 @@ class TexelPage:
         InputError
             If the rows lie outside the page.
         """
-        from surftex.kernels.gutter import LARGEST_BLOCK, continue_band, find_leaders, nearest_edge_band
+        from surftex.kernels.gutter import (
+            LARGEST_BLOCK,
+            close_up,
+            continue_band,
+            find_leaders,
+            nearest_edge_band,
+        )
         from surftex.kernels.raster import raster_band
 
         surface, resolution, corner = self.surface, self.resolution, self.corner
@@ -293,14 +299,18 @@ class TexelPage:
             surface.flat, surface.neighbor, surface.neighbor_edge, surface.transport
         )  # fmt: skip
 
-        def work(first_band: int, last_band: int) -> tuple[NDArray[Any], ...]:
+        begin, end = first - first % LARGEST_BLOCK, min(last + -last % LARGEST_BLOCK, resolution)
+        page = (end - begin, resolution)
+        face, host, weight = np.full(page, -1, np.int32), np.zeros(page, np.int32), np.zeros((*page, 3))
+        turn, core, follows = np.zeros(page, np.float32), np.zeros(page, bool), np.zeros(page, np.int8)
+
+        def work(first_band: int, last_band: int) -> int:
             band = first_band + first // BAND_ROWS
-            top = max(band * BAND_ROWS, first - first % LARGEST_BLOCK)
-            bottom = min((band + 1) * BAND_ROWS, last + -last % LARGEST_BLOCK, resolution)
-            shape = (bottom - top, resolution)
-            face, weight = np.full(shape, -1, np.int32), np.zeros((*shape, 3))
-            raster_band(corner, self.faces[band], top, face, weight)
-            host, turn, core, follows = face.copy(), np.zeros(shape), face >= 0, np.zeros(shape, np.int8)
+            top, bottom = max(band * BAND_ROWS, begin), min((band + 1) * BAND_ROWS, end)
+            here, shape = slice(top - begin, bottom - begin), (bottom - top, resolution)
+            raster_band(corner, self.faces[band], top, face[here], weight[here])
+            host[here] = face[here]
+            core[here] = face[here] >= 0
             if self.gutter_px > 0:
                 near, square, owner = (
                     np.full(shape, np.inf),
@@ -308,27 +318,22 @@ class TexelPage:
                     np.full(shape, -1, np.int32),
                 )
                 nearest_edge_band(
-                    corner, edge_face, edge_side, self.edges[band], self.gutter_px, top, face, near, square, owner
+                    corner, edge_face, edge_side, self.edges[band], self.gutter_px, top, face[here], near, square, owner
                 )  # fmt: skip
                 continue_band(
                     corner, flat, neighbor, neighbor_edge, transport, edge_face, edge_side, top, owner, near,
-                    float(exact_px), face, weight, host, turn, follows,
+                    float(exact_px), face[here], weight[here], host[here], turn[here], follows[here],
                 )  # fmt: skip
-            keep = slice(max(first, top) - top, min(last, bottom) - top)
-            index = np.flatnonzero(face[keep] >= 0)
-            return (
-                index + max(first, top) * resolution,
-                *(
-                    part[keep].reshape(-1, *part.shape[2:]).take(index, axis=0)
-                    for part in (face, weight, core, host, turn, follows)
-                ),
-            )
+            return int(np.count_nonzero(face[max(top, first) - begin : min(bottom, last) - begin] >= 0))
 
         bands = -(-last // BAND_ROWS) - first // BAND_ROWS
-        found = slices(work, bands, size=1, threads=threads, tick=tick)
-        parts = [list(part) for part in zip(*found, strict=True)]
-        found.clear()  # each column goes as soon as it is joined, so that the page is never held twice
-        texel, face, weight, core, host, turn, follows = (_joined(part) for part in parts)
+        count = sum(slices(work, bands, size=1, threads=threads, tick=tick))
+        texel = np.zeros(count, np.int64)
+        asked = slice((first - begin) * resolution, (last - begin) * resolution)
+        parts: tuple[NDArray[Any], ...] = (face, host, weight, turn, core, follows)
+        parts = tuple(part.reshape(-1, *part.shape[2:])[asked] for part in parts)
+        close_up(first * resolution, *parts, texel)
+        face, host, weight, turn, core, follows = (part[:count] for part in parts)
         source = np.zeros(len(texel), np.int32)
         find_leaders(texel, resolution, follows, source)
         return Texels(
@@ -340,17 +345,10 @@ class TexelPage:
             footprint_mm=self.footprint_mm[host],
             core=core,
             host=host,
-            turn_rad=turn.astype(np.float32),
+            turn_rad=turn,
             source=source,
             _corner_px=corner,
         )
-
-
-def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """Join arrays, and let go of them."""
-    whole = np.concatenate(parts)
-    parts.clear()
-    return whole
 
 
 def default_gutter_px(atlas: Atlas, resolution: int) -> int:

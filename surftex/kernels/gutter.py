@@ -99,8 +99,8 @@ def continue_band(
 
     The texel's centre is mapped by the affine frame of the edge's face to millimetres, and the straight line
     from the edge to there is unfolded over the neighbours (transport (m, 3, 4) float64); at a border of the
-    mesh it goes on along the border, and ends on it. face, host (rows, width) int32, weight (rows, width, 3), turn
-    (rows, width) float64 are filled where owner (rows, width) int32 names an edge: the face reached, the face
+    mesh it goes on along the border, and ends on it. face, host (rows, width) int32, weight (rows, width, 3)
+    float64, turn (rows, width) float32 are filled where owner (rows, width) int32 names an edge: the face reached, the face
     left, and the turn from its frame into the reached one's. Where texels are far from their edges, near (rows, width)
     float64 being the squares, a block of them shares the place in its middle: see `_side_of_block`. All but the first get
     the side of the block in follows (rows, width) int8.
@@ -207,6 +207,28 @@ def continue_band(
                     weight[r, c, 1],
                     weight[r, c, 2],
                 )
+
+
+@kernel
+def close_up(first, face, host, weight, turn, core, follows, texel):
+    """Move texels with a face to the front, in place and in their order; tell their places on the page.
+
+    face (p,) int32, -1 where there is none, and what `raster_band` and `continue_band` found: host (p,) int32, weight (p, 3)
+    float64, turn (p,) float32, core (p,) bool, follows (p,) int8; the first texel is `first` of the page -> texel (t,) int64.
+    """
+    to = 0
+    for i in range(len(face)):
+        if face[i] >= 0:
+            face[to], host[to], turn[to], core[to], follows[to] = (
+                face[i],
+                host[i],
+                turn[i],
+                core[i],
+                follows[i],
+            )
+            weight[to, 0], weight[to, 1], weight[to, 2] = weight[i, 0], weight[i, 1], weight[i, 2]
+            texel[to] = first + i
+            to += 1
 
 
 @kernel
