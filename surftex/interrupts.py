@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+_BUSY = threading.RLock()
+
 
 @contextmanager
 def undisturbed(done: str = "") -> Iterator[None]:
@@ -34,15 +36,38 @@ def undisturbed(done: str = "") -> Iterator[None]:
     came: list[tuple[int, FrameType | None]] = []
     usual = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     usual = {number: handler for number, handler in usual.items() if callable(handler)}
-    try:
-        for number in usual:
-            signal.signal(number, lambda *request: came.append(request))
-        yield
-    finally:
-        for number, handler in usual.items():
-            signal.signal(number, handler)
+    with _BUSY:
+        try:
+            for number in usual:
+                signal.signal(number, lambda *request: came.append(request))
+            yield
+        finally:
+            for number, handler in usual.items():
+                signal.signal(number, handler)
     try:
         for number, frame in came:
             usual[signal.Signals(number)](number, frame)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(done) if done else KeyboardInterrupt from None
+
+
+@contextmanager
+def calm(seconds: float) -> Iterator[bool]:
+    """Wait until no block is undisturbed any more, and let none begin: for a thread that is about to end the process.
+
+    Parameters
+    ----------
+    seconds : float
+        At most.
+
+    Yields
+    ------
+    calm : bool
+        False if a block went on for longer.
+    """
+    free = _BUSY.acquire(timeout=seconds)
+    try:
+        yield free
+    finally:
+        if free:
+            _BUSY.release()

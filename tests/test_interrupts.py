@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from surftex.interrupts import undisturbed
+from surftex.interrupts import calm, undisturbed
 from surftex.kernels.jit import kernel
 
 
@@ -50,6 +50,24 @@ def test_other_threads_have_nothing_to_wait_for():
     thread.start()
     thread.join()
     assert done
+
+
+def test_a_thread_that_ends_the_process_waits_for_the_end_of_the_block():
+    seen = []
+
+    def end(seconds):
+        with calm(seconds) as free:
+            seen.append((free, list(done)))
+
+    done = []
+    ending, impatient = threading.Thread(target=end, args=(20,)), threading.Thread(target=end, args=(0.01,))
+    with undisturbed(), undisturbed():
+        ending.start()
+        impatient.start()
+        impatient.join()
+        done.append(True)
+    ending.join()
+    assert seen == [(False, []), (True, [True])]
 
 
 def test_a_kernel_is_loaded_or_compiled_to_its_end(monkeypatch):

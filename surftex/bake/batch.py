@@ -27,6 +27,7 @@ from surftex.bake.jobs import (
 from surftex.errors import SurftexError, WorkError
 from surftex.files.output import check_room, write_whole
 from surftex.files.workplace import clear_remains
+from surftex.interrupts import undisturbed
 from surftex.recipe.batch import REPORT, Batch, Job
 
 MOST_DEATHS = 2
@@ -248,7 +249,8 @@ class _Run:
                 overwrite=True, threads=self.workers.threads,
             )  # fmt: skip
             executor = self.workers.executor()
-            self.flights[executor.submit(perform, task)] = _Flight(index, stack.pop_all(), executor)
+            with undisturbed():  # a job that is handed out is known as one
+                self.flights[executor.submit(perform, task)] = _Flight(index, stack.pop_all(), executor)
         return True
 
     def land(self, future: "Future[Outcome]") -> None:

@@ -19,12 +19,14 @@ from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from surftex.errors import InputError, WorkError
+from surftex.interrupts import calm
 from surftex.kernels.pool import thread_count
 
 PATIENCE_S = 60.0
 """A cluster that has had no worker for this long is given up."""
 
 _ANSWER_S = 10.0
+_CALM_S = 2.0
 _LOOK_S = 2.0
 
 
@@ -348,6 +350,7 @@ def _attend(held: Connection) -> None:
         try:
             held.poll(None)
         finally:
-            os._exit(1)
+            with calm(_CALM_S):  # what is being made or moved on the disk is better not left half done
+                os._exit(1)
 
     threading.Thread(target=watch, daemon=True, name="surftex-leash").start()

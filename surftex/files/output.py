@@ -20,6 +20,7 @@ from surftex.files.locks import locked_where_possible
 from surftex.files.publishing import publish
 from surftex.files.workplace import (
     DRAFT,
+    PROBE,
     RANDOM,
     Workplace,
     clear_drafts,
@@ -104,7 +105,7 @@ def check_room(folder: Path) -> None:
     made: list[Path] = []
     try:
         with undisturbed():
-            made.append(Path(tempfile.mkdtemp(prefix=".surftex-", dir=nearest)))
+            made.append(Path(tempfile.mkdtemp(prefix=PROBE, dir=nearest)))
             _make_folders(made[0] / place.relative_to(nearest) / workplace_name(place, "_" * RANDOM), made)
             _remove(made)
     except OSError as problem:

@@ -20,6 +20,9 @@ _LOCK, _NEW, _OLD, _MOVING = "lock", "new", "old", "moving"
 DRAFT = ".surftex-draft"
 """End of the name of a file that is being written."""
 
+PROBE = ".surftex-"
+"""Begin of the name of a folder that is made for a moment, to see whether it can be."""
+
 _YOUNG_S = 60.0
 RANDOM = 8
 """Letters that `tempfile` puts at the end of a name."""
@@ -60,7 +63,7 @@ class Workplace:
 
     def leave(self) -> None:
         """Delete the folder with all that is in it."""
-        shutil.rmtree(self.root, ignore_errors=True)
+        _delete(self.root)
         if self.lock is not None:
             self.lock.close()
         if self.root.exists():  # Windows deletes no file that is open
@@ -141,9 +144,13 @@ def clear_remains(folder: Path) -> None:
     for parent in (place.parent, place):
         with suppress(OSError):
             for entry in list(os.scandir(parent)):
-                alike = entry.name.startswith(start) and len(entry.name) == len(start) + RANDOM
-                if alike and entry.is_dir(follow_symlinks=False):
-                    _clear(Path(entry.path), place)
+                if not entry.is_dir(follow_symlinks=False):
+                    continue
+                with suppress(OSError):
+                    if _alike(entry.name, start):
+                        _clear(Path(entry.path), place)
+                    elif _alike(entry.name, PROBE):
+                        _clear_probe(Path(entry.path))
 
 
 def clear_drafts(target: Path) -> None:
@@ -164,9 +171,16 @@ def clear_drafts(target: Path) -> None:
                         Path(entry.path).unlink()
 
 
+def _alike(name: str, start: str) -> bool:
+    return name.startswith(start) and len(name) == len(start) + RANDOM
+
+
 def _clear(root: Path, folder: Path) -> None:
     """Clear one workplace, unless its process lives or it is none."""
     names = {path.name for path in root.iterdir()}
+    if not names:  # made, but not locked yet, when its process was killed
+        root.rmdir()
+        return
     if _LOCK not in names or not names <= {_LOCK, _NEW, _OLD, _MOVING}:
         return
     lock = locked(root / _LOCK)
@@ -176,4 +190,21 @@ def _clear(root: Path, folder: Path) -> None:
         if _MOVING in names and folder.is_dir():
             for path in sorted((root / _NEW).iterdir()):
                 path.replace(folder / path.name)
-        shutil.rmtree(root, ignore_errors=True)
+        _delete(root)
+
+
+def _delete(root: Path) -> None:
+    """Delete a workplace, its lock last: without one, nobody could tell whose the rest is."""
+    with suppress(OSError):
+        (root / _MOVING).unlink(missing_ok=True)
+    for name in (_NEW, _OLD):
+        shutil.rmtree(root / name, ignore_errors=True)
+    shutil.rmtree(root, ignore_errors=True)
+
+
+def _clear_probe(root: Path) -> None:
+    """Clear the folders, all empty, with which a killed process asked what the disk allows."""
+    if root.stat().st_mtime > time.time() - _YOUNG_S or any(files for _, _, files in os.walk(root)):
+        return
+    for path, _, _ in os.walk(root, topdown=False):
+        Path(path).rmdir()

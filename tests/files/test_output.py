@@ -143,7 +143,7 @@ def test_files_that_come_at_the_last_moment_stay(tmp_path, monkeypatch):
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from surftex.files import output, publishing
+from surftex.files import output, publishing, workplace
 
 way, calls = sys.argv[1], []
 
@@ -159,7 +159,10 @@ def refuse(*folders):
     raise OSError(38, "Function not implemented")
 
 def write(moment):
-    for owner, name in ((Path, "rename"), (Path, "touch"), (output, "_sync"), (publishing.shutil, "rmtree")):
+    for owner, name in (
+        (Path, "mkdir"), (Path, "rmdir"), (Path, "rename"), (Path, "touch"), (output, "_sync"), (workplace, "locked"),
+        (publishing.shutil, "rmtree"),
+    ):
         setattr(owner, name, watched(getattr(owner, name), moment))
     publishing._exchange = watched(publishing._exchange, moment) if way == "exchanged" else refuse
     with output.whole_output(f"{moment}/out", overwrite=True) as place:
@@ -194,18 +197,23 @@ def test_who_is_killed_at_any_moment_leaves_one_output_or_the_other(tmp_path, wa
     for place in sorted(tmp_path.iterdir(), key=lambda path: int(path.name)):
         if way == "exchanged":
             assert contents(place / "out") in (old, new)
+        for probe in place.rglob(".surftex-*"):
+            os.utime(probe, (0, 0))  # a young one may be a living process's
         check_output(place / "out")
         assert contents(place / "out") in (old, new)
-        assert [path.name for path in place.iterdir()] == ["out"]
+        assert sorted(path.name for path in place.rglob("*")) == ["a", "b", "c", "mine", "out"]
         seen.append(contents(place / "out") == new)
     assert seen == sorted(seen)
-    assert len(seen) == (7 if way == "exchanged" else 13)
+    assert len(seen) == (20 if way == "exchanged" else 27)
     assert seen[-1]
 
 
 def test_remains_of_the_living_and_folders_of_others_are_left_alone(tmp_path):
-    for name in (".out-abcdefgh", ".out-short", ".out-x-abcdefgh"):
+    for name in (".out-abcdefgh", ".out-short", ".out-x-abcdefgh", ".surftex-young___/out"):
         (tmp_path / name / "new").mkdir(parents=True)
+    (tmp_path / ".surftex-notmine_").mkdir()
+    (tmp_path / ".surftex-notmine_" / "letters").write_text("")
+    os.utime(tmp_path / ".surftex-notmine_", (0, 0))
     (tmp_path / ".out-notmine_").mkdir()
     (tmp_path / ".out-notmine_" / "lock").write_text("")
     (tmp_path / ".out-notmine_" / "letters").write_text("")
