@@ -2,11 +2,16 @@
 
 A page of a map grows with the square of its side; beyond `LARGEST_IN_MEMORY` texels it is written row by row and read row by
 row, and rows that were passed are let go of. The values are those of any other array.
+
+Smaller pages lie in memory that outlives them: to clear new memory costs a system more than to fill a page, so the memory
+of a page that nobody holds any more waits for the next of its size. The system may have it back whenever it runs short.
 """
 
 import mmap
 import os
 import tempfile
+import weakref
+from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
@@ -19,6 +24,11 @@ LARGEST_IN_MEMORY = 4096 * 4096
 """Texels of a page beyond which it lies in a file."""
 
 _BLOCK_BYTES = 1 << 25
+_KEPT_BYTES = range(1 << 20, (1 << 26) + 1)
+"""Sizes of pages whose memory is kept."""
+
+_KEPT: deque[mmap.mmap] = deque(maxlen=6)
+_KEEPING = hasattr(mmap, "MADV_FREE")
 
 
 def in_file(shape: tuple[int, ...]) -> bool:
@@ -57,9 +67,11 @@ def page(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
     WorkError
         If that folder has no room.
     """
-    if not in_file(shape):
-        return np.zeros(shape, dtype)
     size = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
+    if not in_file(shape):
+        if not _KEEPING or size not in _KEPT_BYTES:
+            return np.zeros(shape, dtype)
+        return np.asarray(_Lease(size)).view(dtype).reshape(shape)
     try:
         with tempfile.TemporaryFile(prefix="surftex-") as file:
             file.truncate(size)
@@ -73,6 +85,44 @@ def page(shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
             f"{tempfile.gettempdir()}: no room for {size >> 20} MiB of maps: {problem.strerror or problem}; "
             "let TMPDIR name another folder"
         ) from None
+
+
+class _Lease:
+    """Memory, all zeros, for as long as an array lies in it; then it is kept."""
+
+    def __init__(self, size: int) -> None:
+        memory = _taken(size)
+        if memory is None:
+            try:
+                memory = mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+            except OSError as problem:
+                raise MemoryError(f"no room for a page of {size >> 20} MiB") from problem
+            if hasattr(mmap, "MADV_HUGEPAGE"):
+                memory.madvise(mmap.MADV_HUGEPAGE)
+        else:
+            np.frombuffer(memory, np.uint8).fill(0)
+        self.__array_interface__ = np.frombuffer(memory, np.uint8).__array_interface__
+        weakref.finalize(self, _keep, memory).atexit = False
+
+
+def _taken(size: int) -> mmap.mmap | None:
+    """Take memory of that size from what is kept; None where there is none."""
+    # One step at a time: the last holder of a page may let it go at any moment, in any thread.
+    for _ in range(len(_KEPT)):
+        try:
+            memory = _KEPT.popleft()
+        except IndexError:
+            return None
+        if len(memory) == size:
+            return memory
+        _KEPT.append(memory)
+    return None
+
+
+def _keep(memory: mmap.mmap) -> None:
+    """Keep memory that nobody looks at, and tell the system that what it holds is of no use."""
+    memory.madvise(mmap.MADV_FREE)
+    _KEPT.append(memory)
 
 
 def let_go(array: NDArray[Any]) -> None:
