@@ -8,7 +8,7 @@ from surftex.kernels.jit import kernel, part
 
 
 @part
-def _offer(label, length, waiting, heap_key, heap_item, vertex, source, distance):
+def _offer(label, length, first, waiting, way, item, vertex, source, distance):
     """Note a walk to a vertex if it is among the k shortest from different sources, and queue it; the queue's length."""
     k = label.shape[1]
     if distance >= length[vertex, k - 1]:
@@ -26,84 +26,73 @@ def _offer(label, length, waiting, heap_key, heap_item, vertex, source, distance
         at -= 1
     length[vertex, at] = distance
     label[vertex, at] = source
-    if waiting >= len(heap_key):
-        return waiting + 1
-    c = waiting
-    while c > 0:
-        parent = (c - 1) >> 1
-        if heap_key[parent] <= distance:
-            break
-        heap_key[c] = heap_key[parent]
-        heap_item[c, 0] = heap_item[parent, 0]
-        heap_item[c, 1] = heap_item[parent, 1]
-        c = parent
-    heap_key[c] = distance
-    heap_item[c, 0] = vertex
-    heap_item[c, 1] = source
+    if waiting < len(way):
+        at = (first + waiting) % len(way)
+        way[at] = distance
+        item[at, 0] = vertex
+        item[at, 1] = source
     return waiting + 1
 
 
 @kernel
 def nearest_labels(
-    face, place, faces, flat, corner_start, corner_of, edge_length, heap_key, heap_item, label, length,
+    face, place, faces, flat, neighbor, corner_start, corner_of, edge_length, step, way, item, label, length,
 ):  # fmt: skip
     """Walk from sources along edges until every vertex knows the k nearest of them.
 
     face (s,) int32, place (s, 2) in the frame of the face; corner_start (n+1,), corner_of (3m,): corners 3 f + i
-    around each vertex. heap_key (h,), heap_item (h, 2) int32: room for the walks under way.
+    around each vertex. way (h,), item (h, 2) int32: a ring of room for the walks under way. Those that end within a
+    reach go on, first come first served; the reach grows by `step` when none is left. Lengths do not depend on the order.
     -> label (n, k) int32, given as -1, length (n, k) ascending, given as inf.
     Returns 1 if the room was too small, else 0.
     """
-    waiting = 0
+    first, waiting = 0, 0
     for source in range(len(face)):
         f = face[source]
+        x, y = place[source, 0], place[source, 1]
         for i in range(3):
-            dx, dy = flat[f, i, 0] - place[source, 0], flat[f, i, 1] - place[source, 1]
-            waiting = _offer(
-                label, length, waiting, heap_key, heap_item, faces[f, i], source, math.sqrt(dx * dx + dy * dy)
-            )
-            if waiting > len(heap_key):
+            dx, dy = flat[f, i, 0] - x, flat[f, i, 1] - y
+            d = math.sqrt(dx * dx + dy * dy)
+            waiting = _offer(label, length, first, waiting, way, item, faces[f, i], source, d)
+            if waiting > len(way):
                 return 1
+    reach, passed, least = step, 0, math.inf
     while waiting > 0:
-        d = heap_key[0]
-        v = heap_item[0, 0]
-        source = np.int64(heap_item[0, 1])
+        d = way[first]
+        v = item[first, 0]
+        source = np.int64(item[first, 1])
+        if d > reach:
+            at = (first + waiting) % len(way)
+            way[at] = d
+            item[at, 0] = v
+            item[at, 1] = source
+            first = first + 1 if first + 1 < len(way) else 0
+            least = min(least, d)
+            passed += 1
+            if passed >= waiting:
+                reach, passed, least = least + step, 0, math.inf
+            continue
+        first = first + 1 if first + 1 < len(way) else 0
         waiting -= 1
-        key = heap_key[waiting]
-        item0, item1 = heap_item[waiting, 0], heap_item[waiting, 1]
-        c = 0
-        while True:
-            child = 2 * c + 1
-            if child >= waiting:
-                break
-            if child + 1 < waiting and heap_key[child + 1] < heap_key[child]:
-                child += 1
-            if heap_key[child] >= key:
-                break
-            heap_key[c] = heap_key[child]
-            heap_item[c, 0] = heap_item[child, 0]
-            heap_item[c, 1] = heap_item[child, 1]
-            c = child
-        heap_key[c] = key
-        heap_item[c, 0] = item0
-        heap_item[c, 1] = item1
+        passed, least = 0, math.inf
         current = False
         for q in range(label.shape[1]):
             current = current or (label[v, q] == source and length[v, q] == d)
         if not current:
             continue
-        for at in range(2 * corner_start[v], 2 * corner_start[v + 1]):
-            corner = corner_of[at >> 1]
+        for at in range(corner_start[v], corner_start[v + 1]):
+            corner = corner_of[at]
             f = corner // 3
             i = corner - 3 * f
-            if at & 1 == 0:
-                edge = i
-                u = faces[f, i + 1 if i < 2 else 0]
-            else:
-                edge = i - 1 if i > 0 else 2
-                u = faces[f, edge]
-            waiting = _offer(label, length, waiting, heap_key, heap_item, u, source, d + edge_length[f, edge])
-            if waiting > len(heap_key):
+            after, before = i + 1 if i < 2 else 0, i - 1 if i > 0 else 2
+            u = faces[f, after]
+            waiting = _offer(label, length, first, waiting, way, item, u, source, d + edge_length[f, i])
+            if neighbor[f, before] < 0:  # on a border the edge back is no other corner's
+                u = faces[f, before]
+                waiting = _offer(
+                    label, length, first, waiting, way, item, u, source, d + edge_length[f, before]
+                )
+            if waiting > len(way):
                 return 1
     return 0
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surftex.errors import InputError, WorkError
-from surftex.geodesics import flooding
+from surftex.geodesics import bounds, flooding
 from surftex.geodesics.bounds import nearest_bound
 from surftex.geodesics.buckets import Buckets
 from surftex.geodesics.distance import geodesic_distance
@@ -12,7 +12,7 @@ from surftex.geodesics.windows import flood_points, nearest, within
 from surftex.surface.points import SurfacePoints
 from surftex.surface.shapes import midpoint_subdivided, plane, sphere, torus
 from surftex.surface.surface import Surface
-from tests.oracles.geodesics import at_most, exact_distance, random_points
+from tests.oracles.geodesics import at_most, exact_distance, random_points, walk_bound
 
 CUBE = [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5],
         [3, 7, 5]]  # fmt: skip
@@ -102,11 +102,8 @@ def test_refuses_cells_without_size(cell):
 
 @pytest.mark.parametrize("k", [1, 2, 5])
 def test_a_bound_saves_rows_and_changes_no_answer(k):
-    rough = torus(columns=30, rows=15)
-    rough = Surface.from_arrays(
-        rough.vertices + np.random.default_rng(1).normal(0, 0.5, rough.vertices.shape), rough.faces
-    )
-    shape = Surface.from_arrays(*midpoint_subdivided(rough.vertices, rough.faces))
+    coarse = rough(torus(columns=30, rows=15))
+    shape = Surface.from_arrays(*midpoint_subdivided(coarse.vertices, coarse.faces))
     sources, targets = random_points(shape, 250, 1), random_points(shape, 4000, 2)
     free = flood_points(shape, sources, 40.0)
     bounded = flood_points(shape, sources, 40.0, bound_mm=nearest_bound(shape, sources, k))
@@ -114,6 +111,45 @@ def test_a_bound_saves_rows_and_changes_no_answer(k):
     one, two = nearest(free, targets, k), nearest(bounded, targets, k)
     assert np.array_equal(one[0], two[0])
     np.testing.assert_allclose(one[1], two[1], rtol=1e-9)
+
+
+def rough(shape):
+    moved = np.random.default_rng(1).normal(0, 0.4, shape.vertices.shape)
+    return Surface.from_arrays(shape.vertices + moved, shape.faces)
+
+
+SHAPES = {
+    "cube": cube(),
+    "rough torus": rough(torus(columns=20, rows=10)),
+    "rough sheet": rough(plane(20.0, cells=9)),
+    "two parts": Surface.from_arrays(
+        np.vstack([cube().vertices, plane(9.0, cells=3).vertices + 50]),
+        np.vstack([cube().faces, plane(9.0, cells=3).faces + 8]),
+    ),
+}
+
+
+@pytest.mark.parametrize("k", [1, 2, 6])
+@pytest.mark.parametrize("count", [1, 7, 150])
+@pytest.mark.parametrize("name", SHAPES)
+def test_bounds_are_those_of_the_shortest_walks(name, count, k):
+    sources = random_points(SHAPES[name], count, 3)
+    told, walked = nearest_bound(SHAPES[name], sources, k), walk_bound(SHAPES[name], sources, k)
+    np.testing.assert_array_equal(np.isinf(told), np.isinf(walked))
+    np.testing.assert_allclose(told, walked, rtol=1e-8)
+    assert np.all(told >= walked)
+
+
+def test_bounds_need_no_room_beforehand_and_no_order(monkeypatch):
+    """Room that is too small is doubled; however far walks go on together, their lengths are the same."""
+    shape = SHAPES["rough torus"]
+    sources = random_points(shape, 40, 3)
+    told = nearest_bound(shape, sources, 3)
+    for step in (0.0, 0.1, 1e9):
+        monkeypatch.setattr(bounds, "_STEP", step)
+        np.testing.assert_array_equal(nearest_bound(shape, sources, 3), told)
+    monkeypatch.setattr(bounds, "_room", lambda vertices, sources: 1)
+    np.testing.assert_array_equal(nearest_bound(shape, sources, 3), told)
 
 
 def test_more_windows_than_sound_meshes_send_are_an_error(monkeypatch):

@@ -105,3 +105,34 @@ def distance_to_polyline(turns: NDArray[np.float64], places: NDArray[np.float64]
         best[nearer], along[nearer] = distance[nearer], (length + share * size)[nearer]
         length += size
     return best, along
+
+
+def walk_bound(surface: Surface, sources: SurfacePoints, k: int, steps: int = 4) -> NDArray[np.float64]:
+    """(m,) bound of the distance to the k-th nearest source: Dijkstra along edges."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
+
+    vertices, faces = surface.vertices, surface.faces
+    ways: dict[tuple[int, int], float] = {}
+    for f, i in itertools.product(range(len(faces)), range(3)):
+        a, b = faces[f, i], faces[f, (i + 1) % 3]
+        length = float(np.linalg.norm(vertices[b] - vertices[a]))
+        ways[a, b] = ways[b, a] = length
+    places = sources.positions(surface)
+    for s, (f, place) in enumerate(zip(sources.face, places, strict=True)):
+        for i in range(3):
+            ways[len(vertices) + s, faces[f, i]] = float(np.linalg.norm(place - vertices[faces[f, i]]))
+    count = len(vertices) + len(places)
+    graph = coo_array((list(ways.values()), np.transpose(list(ways))), shape=(count, count)).tocsr()
+    walks = dijkstra(graph, indices=np.arange(len(vertices), count))[:, : len(vertices)]
+    nearest = np.sort(np.vstack([walks, np.full((k, len(vertices)), np.inf)]), axis=0)[k - 1]
+    bound = np.zeros(len(faces))
+    grid = [(i, j) for i in range(steps) for j in range(steps - i)]
+    small = [[(i, j), (i + 1, j), (i, j + 1)] for i, j in grid]
+    small += [[(i + 1, j), (i, j + 1), (i + 1, j + 1)] for i, j in grid if i + j < steps - 1]
+    for f, face in enumerate(faces):
+        for triangle in small:
+            weights = np.array([[steps - i - j, i, j] for i, j in triangle]) / steps
+            far = np.linalg.norm((weights @ vertices[face])[:, None] - vertices[face], axis=2).max(axis=0)
+            bound[f] = max(bound[f], np.min(nearest[face] + far))
+    return bound
