@@ -45,33 +45,6 @@ def valley(distance_mm: Float, width_mm: Float | float, footprint_mm: Float, *, 
     return falloff * falloff * (4 * t + 1) * (dilution if dimension == 1 else dilution * dilution)
 
 
-def dome(ratio: Float, exponent: float, cell_mm: Float | float, footprint_mm: Float) -> Float:
-    """Convex top of a cell: 1 at its middle, 0 on its border.
-
-    ``1 - q^n``, Eq. 4 and 6 of the same paper.
-
-    Parameters
-    ----------
-    ratio : (n,) float
-        Distance from the site over the distance of the border in that direction, 0 to 1.
-    exponent : float
-        n: 2 is a paraboloid, larger is flatter with a steeper rim.
-    cell_mm : (n,) float or float
-        Size of a cell: patches near it see only the mean.
-    footprint_mm : (n,) float
-        Side of each sample's patch.
-
-    Returns
-    -------
-    height : (n,) float32
-        0 to 1.
-    """
-    q = np.clip(ratio, 0, 1).astype(np.float32)
-    shape = 1 - (q * q if exponent == 2 else np.power(q, np.float32(exponent), dtype=np.float32))
-    mean = np.float32(exponent / (exponent + 2))
-    return mean + (shape - mean) * visible(np.asarray(cell_mm, np.float32), footprint_mm)
-
-
 def visible(size_mm: Float | float, footprint_mm: Float) -> Float:
     """How much of a variation of some size is left in patches of some side.
 

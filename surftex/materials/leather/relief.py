@@ -1,24 +1,22 @@
 """Height and finish of a leather from distances to its skeleton: the sum of its elements, each a profile."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surftex.fields.profiles import dome, smoothstep, valley, visible
+from surftex.arrays import read_only_view
+from surftex.fields.profiles import smoothstep, valley
 from surftex.materials.grooves import Line, grooves, own_or
 from surftex.materials.layers import Layers
 from surftex.materials.leather.cells import Plates
 from surftex.materials.leather.model import Leather
 
 Float = NDArray[np.float32]
-Part = NDArray[np.floating] | np.float32
 
-_FOOT = 0.45
-"""Width of the ring of dye around a crown, as a share of the crown's own."""
-
-_FOOT_DYE = 0.55
-"""How much of a pore's dye that ring holds."""
+_WHOLE = range(2, 9)
+"""Exponents that are quicker by products."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,65 +70,76 @@ def layers(leather: Leather, skeleton: Skeleton, footprint_mm: Float) -> Layers:
     layers : Layers
         `height_mm`, `base_color`, `roughness`, `specular`, `region`.
     """
-    plates = skeleton.plates
-    cell_visible = visible(skeleton.cell_mm, footprint_mm)
-    variation = 1 + leather.variation * (2 * skeleton.level - 1) * cell_visible
-    # Where a furrow is faint its two plates run into one: they stay up at the border instead of falling to it.
-    share = 1 - leather.sulcus_variation * (0.5 + (plates.furrow - 0.5) * cell_visible)
-    rise = share * dome(plates.ratio, leather.crista_exponent, skeleton.cell_mm, footprint_mm)
-    crest = (1 - share + rise).astype(np.float32)
-    height = leather.crista_height * (1 - share + variation * rise)
-    if leather.scale_overlap:
-        height += leather.scale_overlap * leather.crista_height * plates.along * rise * cell_visible
-    furrow = valley(
-        plates.border_mm, leather.sulcus_width * (0.5 + 0.5 * share), footprint_mm, dimension=1
-    ) * share  # fmt: skip
-    for line in skeleton.cracks:
-        width = leather.sulcus_width * line.share
-        crack = valley(line.distance_mm, width, footprint_mm[line.at], dimension=1) * line.share
-        furrow[line.at] = np.maximum(furrow[line.at], crack)
-    relief = -leather.sulcus_depth * furrow
+    from surftex.kernels.leather import BLOCK, ROWS, leather_layers
 
-    wrinkle: Part = np.float32(0)
+    plates, n = skeleton.plates, len(footprint_mm)
+    nothing, nowhere = np.zeros(n, np.float32), np.full(n, np.inf, np.float32)
+    wrinkle = carved = nothing
     if skeleton.wrinkles:
-        wrinkle, groove = grooves(
+        wrinkle, carved = grooves(
             skeleton.wrinkles, leather.wrinkle_width, leather.wrinkle_depth, footprint_mm
         )
-        relief = relief - groove
         if leather.wrinkle_fold:
-            relief = relief + _folds(leather, skeleton.wrinkles, footprint_mm)
-    if skeleton.pocket_mm is not None:
-        relief = relief - leather.pocket_depth * valley(
-            skeleton.pocket_mm, leather.pocket_width, footprint_mm, dimension=2
-        )
-    pore: Part = np.float32(0)
-    if skeleton.pore_mm is not None:
-        pore = valley(skeleton.pore_mm, leather.pore_width, footprint_mm, dimension=2)
-        relief = relief - leather.pore_depth * pore
-
-    crown: Part = np.float32(0)
-    pit: Part = np.float32(0)
-    if skeleton.crown_mm is not None and skeleton.crown_scale is not None:
-        width = leather.crown_width * skeleton.crown_scale
-        t = np.minimum(skeleton.crown_mm / width, 1)
-        crown = (1 - t * t * t) ** 2
-        pit = valley(skeleton.crown_mm, leather.crown_pit_width, footprint_mm, dimension=2)
-        foot = valley(np.abs(skeleton.crown_mm - width), _FOOT * width, footprint_mm, dimension=1)
-        height = height * (1 - 0.6 * crown)
-        relief = (
-            relief * (1 - 0.6 * crown)
-            + leather.crown_height * skeleton.crown_scale * crown
-            - leather.crown_pit_depth * pit
-        )
-        pore = np.maximum(pore, np.maximum(pit, _FOOT_DYE * foot))
-    grain = skeleton.grain * (1 - 0.7 * furrow)
-    height = height + relief + leather.grain_height * grain
+            carved = carved - _folds(leather, skeleton.wrinkles, footprint_mm)
+    points = (skeleton.pocket_mm, skeleton.pore_mm, skeleton.crown_mm)
+    given = (
+        _fall(plates.ratio, leather.crista_exponent), skeleton.cell_mm, skeleton.level, skeleton.tone,
+        plates.border_mm, plates.furrow, plates.along,
+        _cracks(leather, skeleton.cracks, footprint_mm), wrinkle, carved,
+        *(nowhere if away is None else away for away in points),
+        nothing if skeleton.crown_scale is None else skeleton.crown_scale,
+        skeleton.grain, skeleton.mottle, footprint_mm,
+    )  # fmt: skip
+    height, rough, specular = (np.zeros(n, np.float32) for _ in range(3))
+    color = np.zeros((n, 3), np.float32)
+    leather_layers(
+        _look(leather), *(read_only_view(part, np.float32) for part in given),
+        np.zeros(ROWS * BLOCK, np.float32), height, color, rough, specular,
+    )  # fmt: skip
     return Layers(
         {
-            "height_mm": height.astype(np.float32),
-            **_finish(leather, skeleton, crest, furrow, wrinkle, pore, crown, pit),
+            "height_mm": height,
+            "base_color": color,
+            "roughness": rough,
+            "specular": specular,
+            "region": plates.own,
         }
     )
+
+
+def _fall(ratio: Float, exponent: float) -> Float:
+    """Raise to a power how far out samples lie on their cells; by products where it is a small whole one."""
+    q = np.clip(ratio, 0, 1)
+    if exponent not in _WHOLE:
+        return q ** np.float32(exponent)
+    fall = q * q
+    for _ in range(int(exponent) - 2):
+        fall *= q
+    return fall
+
+
+def _look(leather: Leather) -> Any:
+    """Take the depths, widths and colours of a leather as the kernel does."""
+    from surftex.kernels.leather import Look
+
+    n = leather.crista_exponent
+    numbers = {**dict(leather), "mean": n / (n + 2), "lift": leather.scale_overlap * leather.crista_height}
+    return Look(*(_single(numbers[name]) for name in Look._fields))
+
+
+def _single(number: Any) -> Any:
+    """Round a number, or those of a colour, to single precision."""
+    return tuple(map(np.float32, number)) if isinstance(number, tuple) else np.float32(number)
+
+
+def _cracks(leather: Leather, cracks: tuple[Line, ...], footprint_mm: Float) -> Float:
+    """Share of a furrow that cracks reach at each sample."""
+    share = np.zeros(len(footprint_mm), np.float32)
+    for line in cracks:
+        width = leather.sulcus_width * line.share
+        crack = valley(line.distance_mm, width, footprint_mm[line.at], dimension=1) * line.share
+        share[line.at] = np.maximum(share[line.at], crack)
+    return share
 
 
 def _folds(leather: Leather, wrinkles: tuple[Line, ...], footprint_mm: Float) -> Float:
@@ -146,37 +155,3 @@ def _folds(leather: Leather, wrinkles: tuple[Line, ...], footprint_mm: Float) ->
         lift = leather.wrinkle_fold * depth * line.share * swell * near * line.left
         rise[line.at] = np.maximum(rise[line.at], lift)
     return rise
-
-
-def _finish(
-    leather: Leather,
-    skeleton: Skeleton,
-    crest: Float,
-    furrow: NDArray[np.floating],
-    wrinkle: Part,
-    pore: Part,
-    crown: Part,
-    pit: Part,
-) -> dict[str, NDArray]:
-    """Dye pools in furrows, wrinkles, pores and around crowns; crests are worn, polished and paler; the tone drifts."""
-    drift = skeleton.mottle
-    deep = np.maximum(smoothstep(0.15, 0.9, furrow), 0.8 * wrinkle)
-    dye = np.clip(leather.dye * deep + leather.pore_dye * pore, 0, 1)
-    high = np.maximum(smoothstep(0.55, 0.98, crest) * (1 - deep), crown) * (1 - pit)
-    worn = leather.wear * np.clip(high * (0.8 + 0.9 * drift), 0, 1)
-    tone = 1 + 2 * leather.mottle * drift + leather.cell_tone * (2 * skeleton.tone - 1)
-    color = np.zeros((len(drift), 3), np.float32)
-    for channel, tint in enumerate((1.0, 1.05, 1.1)):
-        value = leather.color[channel] * (1 + (tone - 1) * np.float32(tint))
-        value += dye * (leather.furrow_color[channel] - value)
-        value += worn * (leather.crest_color[channel] - value)
-        color[:, channel] = np.clip(value, 0, 1)
-    rough = leather.roughness + 0.08 * drift
-    rough = rough + deep * (leather.furrow_roughness - rough)
-    rough = rough + (high * (1 - dye)) * (leather.crest_roughness - leather.roughness)
-    return {
-        "base_color": color,
-        "roughness": np.clip(rough, 0.04, 1).astype(np.float32),
-        "specular": (leather.specular * (1 - 0.5 * dye)).astype(np.float32),
-        "region": skeleton.plates.own,
-    }
