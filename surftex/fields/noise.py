@@ -97,20 +97,20 @@ def several(
     values : (c, n) float32
         One row for each noise: what its `Noise.at` gives.
     """
-    from surftex.kernels.noise import gradient_noise
+    from surftex.kernels.noise import LANES, NEAR_ROWS, gradient_noise
 
     places = read_only_view(positions, np.float64)
     footprint = read_only_view(np.broadcast_to(np.asarray(footprint_mm), len(places)), np.float64)
-    values = np.zeros((len(noises), len(places)))
-    for key, weight, wavelength, noise, block in _blocks(tuple(noises)):
-        gradient_noise(places, footprint, key, weight, wavelength, noise, block.copy(), values)
-    return values.astype(np.float32)
+    values, near = np.zeros((len(noises), len(places)), np.float32), np.zeros(NEAR_ROWS * LANES, np.float32)
+    for *octaves, block in _blocks(tuple(noises)):
+        gradient_noise(places, footprint, *octaves, block.copy(), near, values)
+    return values
 
 
 @lru_cache(maxsize=256)
 def _blocks(noises: tuple[Noise, ...]) -> tuple[tuple[NDArray, ...], ...]:
     """Octaves of some noises as the kernel takes them, so many at a time; what is left of a block has no weight."""
-    from surftex.kernels.noise import LANES, NO_CELL, ROWS
+    from surftex.kernels.noise import LANES, ROWS
 
     octaves = [noise._octaves() for noise in noises]
     key, frame, offset, weight, wavelength = (np.concatenate(part) for part in zip(*octaves, strict=True))
@@ -122,14 +122,12 @@ def _blocks(noises: tuple[Noise, ...]) -> tuple[tuple[NDArray, ...], ...]:
         table = np.zeros((ROWS, LANES))
         table[:9, :count] = frame[part].reshape(count, 9).T
         table[9:12, :count] = offset[part].T
-        table[12:15] = NO_CELL
         keys, weights, wavelengths = np.zeros(LANES, np.uint64), np.zeros(LANES), np.ones(LANES)
         whose = np.full(LANES, noise[part][-1])
         keys[:count], weights[:count], wavelengths[:count] = key[part], weight[part], wavelength[part]
         whose[:count] = noise[part]
-        blocks.append(
-            (frozen(keys), frozen(weights), frozen(wavelengths), frozen(whose), frozen(table.ravel().copy()))
-        )
+        last = np.append(np.diff(whose) != 0, True)
+        blocks.append(tuple(map(frozen, (keys, weights, wavelengths, whose, last, table.ravel().copy()))))
     return tuple(blocks)
 
 
