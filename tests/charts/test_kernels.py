@@ -11,7 +11,7 @@ from surftex.charts.overlap import MARGIN_PX, overlapping_faces
 from surftex.charts.texels import texels
 from surftex.charts.unwrap import unwrap
 from surftex.errors import InputError
-from surftex.kernels.gutter import nearest_edge_band
+from surftex.kernels.gutter import close_up, find_leaders, nearest_edge_band
 from surftex.kernels.notches import mark_notches
 from surftex.kernels.raster import raster_band
 from surftex.randomness import stream
@@ -178,3 +178,38 @@ def test_lookup_in_a_mip_is_lookup_in_the_halved_picture(channels, dtype, monkey
             patch.setattr("surftex.paged._BLOCK_BYTES", 4 * image[:1].nbytes)
             np.testing.assert_array_equal(bilinear(image, uv, mip), bilinear(smaller, uv))
     np.testing.assert_allclose(bilinear(image, uv, 3), oracle.bilinear(smaller, uv), atol=1e-6)
+
+
+@pytest.mark.parametrize("covered", [0.0, 0.3, 1.0])
+def test_texels_with_a_face_are_closed_up_in_their_order(covered):
+    numbers = stream(3, "test").uniform(500, 6)
+    there = numbers[:, 0] < covered
+    face = np.where(there, 1000 * numbers[:, 1], -1).astype(np.int32)
+    host, follows = (1000 * numbers[:, 2]).astype(np.int32), (4 * numbers[:, 3]).astype(np.int8)
+    parts = [
+        face,
+        host,
+        numbers[:, :3].copy(),
+        numbers[:, 4].astype(np.float32),
+        numbers[:, 5] < 0.5,
+        follows,
+    ]
+    expected = [part[there] for part in parts]
+    texel = np.zeros(len(expected[0]), np.int64)
+    close_up(7000, *parts, texel)
+    np.testing.assert_array_equal(texel, 7000 + np.flatnonzero(there))
+    for part, kept in zip(parts, expected, strict=True):
+        np.testing.assert_array_equal(part[: len(texel)], kept)
+
+
+def test_leaders_are_the_first_of_their_blocks():
+    width, side = 24, np.zeros((24, 24), np.int8)
+    side[4:12, 8:24], side[16:20, 0:4], side[12:14, 2:6] = 4, 4, 2
+    there = (side > 0) | (stream(5, "test").uniform(24 * 24).reshape(24, 24) < 0.5)
+    texel = np.flatnonzero(there)
+    row, column = texel // width, texel % width
+    block = np.maximum(side[row, column], 1)
+    leader = row // block * block * width + column // block * block
+    source = np.zeros(len(texel), np.int32)
+    find_leaders(texel, width, side[row, column], source)
+    np.testing.assert_array_equal(texel[source], leader)
