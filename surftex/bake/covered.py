@@ -117,8 +117,10 @@ def fields_on(bodies: Bodies, fields: FieldSet) -> FieldSet:
     )
 
 
-def drawn_elsewhere(bodies: Bodies, fields: FieldSet, curves: Iterable[str]) -> tuple[str, ...]:
-    """Tell of curves that were drawn where a layer does not lie.
+def drawn_elsewhere(
+    bodies: Bodies, fields: FieldSet, curves: Iterable[str], places: Iterable[str] = ()
+) -> tuple[str, ...]:
+    """Tell of what was drawn where a layer does not lie.
 
     Parameters
     ----------
@@ -128,21 +130,26 @@ def drawn_elsewhere(bodies: Bodies, fields: FieldSet, curves: Iterable[str]) -> 
         Of the whole.
     curves : iterable of str
         Names of those that the layer draws.
+    places : iterable of str
+        Names of those that it puts something at.
 
     Returns
     -------
     warnings : tuple of str
         A line for each name of which some are lost.
     """
+    strokes = ((name, fields.curves(name)) for name in curves)
+    spots = ((name, fields.points(name).face) for name in places)
     said = []
-    for name in curves:
-        table = fields.curves(name)
-        every = len(np.unique(table["curve"]))
-        lost = len(np.unique(table["curve"][bodies.own[table["face"]] < 0]))
+    for name, kind, face, own in (
+        *((name, "stroke", table["face"], table["curve"]) for name, table in strokes),
+        *((name, "place", face, np.arange(len(face))) for name, face in spots),
+    ):
+        every, lost = len(np.unique(own)), len(np.unique(own[bodies.own[face] < 0]))
         if lost:
-            strokes = by_count(every, "{} stroke", "{} strokes")
+            whole = by_count(every, f"{{}} {kind}", f"{{}} {kind}s")
             lie = "lies on a body" if lost == 1 else "lie on bodies"
-            said.append(f"{lost} of {strokes} of {name!r} {lie} that this layer does not cover")
+            said.append(f"{lost} of {whole} of {name!r} {lie} that this layer does not cover")
     return tuple(said)
 
 

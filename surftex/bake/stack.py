@@ -25,7 +25,7 @@ from surftex.fields.sources import Field
 from surftex.kernels.pool import PartTick, Tick
 from surftex.materials.layers import CHANNELS, Pattern
 from surftex.randomness import stream
-from surftex.recipe.layer import curve_names
+from surftex.recipe.layer import drawn_names
 from surftex.recipe.model import Recipe
 from surftex.surface.bodies import Bodies
 from surftex.surface.points import Samples
@@ -336,7 +336,8 @@ def place_layer(
             "recipe?"
         ) from None
     if bodies is not None:
-        pattern = OnBodies.of(bodies, pattern, drawn_elsewhere(bodies, fields, curve_names(layer).values()))
+        curves, places = (drawn_names(layer, end).values() for end in ("_curves", "_points"))
+        pattern = OnBodies.of(bodies, pattern, drawn_elsewhere(bodies, fields, curves, places))
     return pattern, mask_on(pattern, fields, layer.mask)
 
 

@@ -176,23 +176,25 @@ class Layer(Checked):
         return {"material": self.kind, **preset, "mask": self.mask, **parameters}
 
 
-def curve_names(layer: Layer) -> dict[str, str]:
-    """List the curves that a layer draws.
+def drawn_names(layer: Layer, end: str) -> dict[str, str]:
+    """List what was drawn for a layer.
 
     Parameters
     ----------
     layer : Layer
         Of a recipe.
+    end : str
+        How the parameters end that name it: ``"_curves"`` or ``"_points"``.
 
     Returns
     -------
     names : dict of str to str
-        By the parameters that name them, which all end so.
+        By parameter.
     """
     return {
         key: value
         for key in type(layer.material).model_fields
-        if key.endswith("_curves") and isinstance(value := getattr(layer.material, key), str)
+        if key.endswith(end) and isinstance(value := getattr(layer.material, key), str)
     }
 
 

@@ -9,7 +9,7 @@ from surftex.errors import RecipeError
 from surftex.materials.checked import in_one_line, told
 from surftex.materials.hints import nearest
 from surftex.recipe.fields import CURVES, DIRECTIONS, KINDS, expression_of, places_file
-from surftex.recipe.layer import Layer, curve_names, material_class, plain_types, preset_material
+from surftex.recipe.layer import Layer, drawn_names, material_class, plain_types, preset_material
 from surftex.recipe.lines import Path
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
                 _checked_expression(text, numbers, directions, curves)
             except RecipeError as problem:
                 raise located(("layer", i, key), problem) from None
-        for key, name in curve_names(layer).items():
+        for key, name in drawn_names(layer, "_curves").items():
             if name not in curves:
                 hint = nearest(name, curves) or "; [fields] has none"
                 what = f"curves {name!r} do not exist{hint}"
@@ -221,7 +221,7 @@ def _check_names(recipe: "Recipe", where: Where) -> None:
                     what = f"field {name!r} is a {'number' if name in numbers else 'direction'}, not curves"
                 raise located(("layer", i, key), RecipeError(what))
         places = {name for name, entry in recipe.fields_.items() if places_file(entry) is not None}
-        for key, name in _place_names(layer).items():
+        for key, name in drawn_names(layer, "_points").items():
             if name not in places:
                 hint = nearest(name, places) or '; write one such as spots = { distance_to = "spots.json" }'
                 raise located(("layer", i, key), RecipeError(f"places {name!r} do not exist{hint}"))
@@ -266,15 +266,6 @@ def _expressions(layer: Layer) -> dict[str, str]:
         if isinstance(value, str) and float in plain_types(field.annotation):
             found[key] = value
     return found
-
-
-def _place_names(layer: Layer) -> dict[str, str]:
-    """Parameters that name places of a file: those whose name ends so."""
-    return {
-        key: value
-        for key in type(layer.material).model_fields
-        if key.endswith("_points") and isinstance(value := getattr(layer.material, key), str)
-    }
 
 
 def _directions(layer: Layer) -> dict[str, str]:

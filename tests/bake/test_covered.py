@@ -222,6 +222,20 @@ def test_strokes_on_bodies_that_a_layer_does_not_cover_are_told(tmp_path, preset
         assert told == [f"layer[2]: {text} that this layer does not cover" for text in says]
 
 
+def test_places_on_bodies_that_a_layer_does_not_cover_are_told(tmp_path):
+    (tmp_path / "spots.json").write_text(json.dumps({"points": [[x, 0, 9] for x in (0, 1, 30)]}))
+    spots = f'spots = {{ distance_to = "{tmp_path}/spots.json" }}'
+    for mask, says in (
+        ("part('b')", ["2 of 3 places of 'spots' lie on bodies"]),
+        ("part('a')", ["1 of 3 places of 'spots' lies on a body"]),
+        ("part('a') + part('b')", []),
+    ):
+        made = recipe(mask, "skin", spots, mole_points="spots")
+        stack = place_stack(made, WHOLE, make_fields(made, WHOLE))
+        told = [text for text in stack.warnings if "places" in text]
+        assert told == [f"layer[2]: {text} that this layer does not cover" for text in says]
+
+
 def test_no_rounding_shows_a_layer_where_it_does_not_lie():
     made = recipe("part('b')")
     fields, pattern = make_fields(made, WHOLE), placed(made)
