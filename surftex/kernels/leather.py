@@ -92,18 +92,6 @@ def _step(t):
 
 
 @part
-def _load(block, row, numbers, begin, count):
-    for t in range(count):
-        block[row + t] = numbers[begin + t]
-
-
-@part
-def _store(block, row, numbers, begin, count):
-    for t in range(count):
-        numbers[begin + t] = block[row + t]
-
-
-@part
 def _carve(look, block):
     """Sum the elements: height, and what the finish needs of them.
 
@@ -186,28 +174,28 @@ def leather_layers(
     """
     for begin in range(0, len(height_mm), BLOCK):
         count = min(BLOCK, len(height_mm) - begin)
-        _load(block, _FALL, fall, begin, count)
-        _load(block, _CELL, cell_mm, begin, count)
-        _load(block, _LEVEL, level, begin, count)
-        _load(block, _TONE, tone, begin, count)
-        _load(block, _BORDER, border_mm, begin, count)
-        _load(block, _NUMBER, number, begin, count)
-        _load(block, _ALONG, along, begin, count)
-        _load(block, _CRACK, crack, begin, count)
-        _load(block, _WRINKLE, wrinkle, begin, count)
-        _load(block, _CARVED, carved_mm, begin, count)
-        _load(block, _POCKET, pocket_mm, begin, count)
-        _load(block, _PORE, pore_mm, begin, count)
-        _load(block, _CROWN, crown_mm, begin, count)
-        _load(block, _SCALE, crown_scale, begin, count)
-        _load(block, _GRAIN, grain, begin, count)
-        _load(block, _MOTTLE, mottle, begin, count)
-        _load(block, _FOOTPRINT, footprint_mm, begin, count)
+        for t in range(count):
+            block[_FALL + t] = fall[begin + t]
+            block[_CELL + t] = cell_mm[begin + t]
+            block[_LEVEL + t] = level[begin + t]
+            block[_TONE + t] = tone[begin + t]
+            block[_BORDER + t] = border_mm[begin + t]
+            block[_NUMBER + t] = number[begin + t]
+            block[_ALONG + t] = along[begin + t]
+            block[_CRACK + t] = crack[begin + t]
+            block[_WRINKLE + t] = wrinkle[begin + t]
+            block[_CARVED + t] = carved_mm[begin + t]
+            block[_POCKET + t] = pocket_mm[begin + t]
+            block[_PORE + t] = pore_mm[begin + t]
+            block[_CROWN + t] = crown_mm[begin + t]
+            block[_SCALE + t] = crown_scale[begin + t]
+            block[_GRAIN + t] = grain[begin + t]
+            block[_MOTTLE + t] = mottle[begin + t]
+            block[_FOOTPRINT + t] = footprint_mm[begin + t]
         _carve(look, block)
         _finish(look, block)
-        _store(block, _HEIGHT, height_mm, begin, count)
-        _store(block, _ROUGH, roughness, begin, count)
-        _store(block, _SPECULAR, specular, begin, count)
         for t in range(count):
+            height_mm[begin + t], roughness[begin + t] = block[_HEIGHT + t], block[_ROUGH + t]
+            specular[begin + t] = block[_SPECULAR + t]
             for channel in range(3):
                 color[begin + t, channel] = block[_RED + channel * BLOCK + t]
