@@ -2,7 +2,7 @@
 
 import sys
 
-from surftex.cli import main
+from surftex.cli import process
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(process())

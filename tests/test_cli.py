@@ -394,6 +394,30 @@ def test_an_unexpected_failure_is_one_line_and_code_3(ball):
     assert "Traceback" in process.stderr
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a process there ends otherwise")
+@pytest.mark.parametrize(
+    ("happens", "code", "told"),
+    [
+        ("exec('raise KeyboardInterrupt')", 130, "surftex: interrupted; nothing was written\n"),
+        ("atexit.register(signal.raise_signal, signal.SIGINT)", 0, ""),
+        ("atexit.register(signal.raise_signal, signal.SIGTERM)", 0, ""),
+    ],
+)
+def test_a_process_ends_with_the_code_of_its_result(tmp_path, happens, code, told):
+    """Not by a signal that came while Python executed a text, or after the result."""
+    (tmp_path / "late.py").write_text(
+        "import atexit, signal, sys, surftex.cli.presets as room\n"
+        f"def run(options): {happens}\n"
+        "room.run = run\n"
+        "sys.argv[1:] = ['presets']\n"
+        "from surftex.cli import process\n"
+        "sys.exit(process())"
+    )
+    done = subprocess.run([sys.executable, "-m", "late"], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (*sys.path, tmp_path)))})  # fmt: skip
+    assert (done.returncode, done.stderr) == (code, told)
+
+
 def test_the_cache_is_told_and_emptied(tmp_path):
     kept = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "kernels"), "SURFTEX_CACHE_DIR": str(tmp_path)}
     where = surftex("cache", "--where", env=kept).stdout.split()

@@ -55,6 +55,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+def process() -> int:
+    """Run the command line as all that a process does: requests to end that come after its result change nothing.
+
+    Returns
+    -------
+    code : int
+        As `main`.
+    """
+    try:
+        code = main()
+    except KeyboardInterrupt:  # asked once more while the first was being told
+        code = INTERRUPTED
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    # Python ends by SIGINT itself if that has once cut short a text it was executing, such as a named tuple's, though it
+    # was caught; another text makes it forget.
+    eval("0")
+    return code
+
+
 def _run(arguments: Sequence[str] | None) -> int:
     from surftex.cli.options import make_parser, parsed
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surftex.errors import InputError, WorkError
 from surftex.files.scaling import OWN_COMMENT
+from surftex.interrupts import undisturbed
 from surftex.surface.weld import equal_rows
 
 SUFFIXES = (".obj", ".ply", ".stl", ".glb")
@@ -119,26 +120,29 @@ def _glb(
     pictures: Mapping[str, str],
 ) -> bytes:  # fmt: skip
     """Pack GLB with smooth normals; vertices that differ only in UV look alike."""
-    import trimesh
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
+    with undisturbed():  # trimesh takes an interrupt for a failure of a library, and goes on another way
+        import trimesh
+        from trimesh.visual import TextureVisuals
+        from trimesh.visual.material import PBRMaterial
 
-    mesh = trimesh.Trimesh(vertices / 1000, faces, process=False)
-    if corner_uv is not None:
-        corner = np.concatenate([faces.reshape(-1, 1).astype(np.float64), corner_uv.reshape(-1, 2)], axis=1)
-        number = equal_rows(corner)
-        first = np.unique(number, return_index=True)[1]
-        vertex = faces.ravel()[first]
-        normals = mesh.vertex_normals[vertex]
-        mesh = trimesh.Trimesh(
-            vertices[vertex] / 1000, number.reshape(-1, 3), vertex_normals=normals, process=False
-        )
-        mesh.visual = TextureVisuals(corner[first, 1:], PBRMaterial(name, metallicFactor=0.0))
-    else:
-        mesh.vertex_normals  # noqa: B018 (trimesh exports normals once they have been asked for)
-    scene = trimesh.Scene()
-    scene.add_geometry(mesh, node_name=name, geom_name=name)
-    data = scene.export(file_type="glb", include_normals=True)
+        mesh = trimesh.Trimesh(vertices / 1000, faces, process=False)
+        if corner_uv is not None:
+            corner = np.concatenate(
+                [faces.reshape(-1, 1).astype(np.float64), corner_uv.reshape(-1, 2)], axis=1
+            )
+            number = equal_rows(corner)
+            first = np.unique(number, return_index=True)[1]
+            vertex = faces.ravel()[first]
+            normals = mesh.vertex_normals[vertex]
+            mesh = trimesh.Trimesh(
+                vertices[vertex] / 1000, number.reshape(-1, 3), vertex_normals=normals, process=False
+            )
+            mesh.visual = TextureVisuals(corner[first, 1:], PBRMaterial(name, metallicFactor=0.0))
+        else:
+            mesh.vertex_normals  # noqa: B018 (trimesh exports normals once they have been asked for)
+        scene = trimesh.Scene()
+        scene.add_geometry(mesh, node_name=name, geom_name=name)
+        data = scene.export(file_type="glb", include_normals=True)
     if not isinstance(data, bytes):
         raise TypeError(f"trimesh exported a glb as {type(data).__name__}, not as bytes")
     return _dressed(data, pictures) if pictures and corner_uv is not None else data

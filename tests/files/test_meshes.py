@@ -1,7 +1,9 @@
 """Each format says the same of one mesh; parts, units, UV sets and transforms come out as written."""
 
 import json
+import signal
 import struct
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -524,3 +526,20 @@ def test_a_part_that_is_lost_beside_the_whole_is_named(tmp_path):
     alone = load(tmp_path / "both.obj", units="mm", part="speck")
     assert len(alone.faces) > 0.9 * len(f)
     assert not any("nothing is left" in text for text in alone.warnings)
+
+
+def test_an_interrupt_of_an_export_is_not_lost(tmp_path, monkeypatch):
+    """Whatever trimesh does with it: it takes one in its sums for a failure of scipy, and adds up face by face."""
+    from trimesh import geometry
+
+    plain = geometry.weighted_vertex_normals
+
+    def cut_short(*arguments, **options):
+        with suppress(BaseException):
+            signal.raise_signal(signal.SIGINT)
+        return plain(*arguments, **options)
+
+    monkeypatch.setattr(geometry, "weighted_vertex_normals", cut_short)
+    vertices, faces = ball()
+    with pytest.raises(KeyboardInterrupt):
+        write_mesh(tmp_path / "ball.glb", np.array(vertices), np.array(faces))
