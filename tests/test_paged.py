@@ -56,6 +56,7 @@ def test_a_folder_without_room_is_told_in_a_line_before_any_work(monkeypatch):
 
 @pytest.fixture
 def kept(monkeypatch):
+    gc.collect()  # pages that other tests left in circles
     monkeypatch.setattr(paged, "LARGEST_IN_MEMORY", 1 << 24)
     memory = deque(maxlen=2)
     monkeypatch.setattr(paged, "_KEPT", memory)
@@ -77,7 +78,6 @@ def test_a_page_takes_the_memory_of_one_that_nobody_holds_and_finds_zeros(kept):
     first += 7
     row, place = first[3], place_of(first)
     del first
-    gc.collect()
     assert not kept  # a view holds it
     np.testing.assert_array_equal(row, 7)
     other = paged.page((1024, 512, 3), np.float32)
