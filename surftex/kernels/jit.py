@@ -113,7 +113,7 @@ def kernel(function: Callable[..., Result]) -> Callable[..., Result]:
     kernel : callable
         Of the same arguments.
     """
-    compiled: Any = numba.njit(**_ALL)(function)
+    compiled: Any = numba.njit(**_ALL, no_cfunc_wrapper=True)(function)
     usual = compiled.compile
 
     def compile_undisturbed(signature: Any) -> Any:
