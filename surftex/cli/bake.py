@@ -40,17 +40,18 @@ def run(options: Namespace) -> None:
     from surftex.bake.saving import save
     from surftex.kernels import store
 
-    threads, cold = options.threads, not store.is_warm() and not options.quiet
+    threads, kinds = options.threads, {layer.kind for layer in recipe.layer}
     wanted = options.growth is not None or options.frames
     growth = Growth(options.growth, options.frames) if wanted else None
-    with ColdWatch(cold=cold, quiet=options.quiet, verbose=options.verbose) as watch:
+    manner = {"quiet": options.quiet, "verbose": options.verbose}
+    with ColdWatch(cold=store.cold(kinds), threads=threads, **manner) as watch:
         baked = bake_run(
             recipe, features=options.features, threads=threads, tile=options.tile, progress=watch,
             remember=options.cache, growth=growth,
         )  # fmt: skip
         more = None if growth is None else frames_of(baked.maps, recipe, growth, options, watch)
         paths = save(baked, folder, more=more, overwrite=options.overwrite, threads=threads, progress=watch)
-    store.mark_warm()
+    store.mark_warm(kinds)
     report = json.loads((folder / "report.json").read_text("utf-8"))
     if not options.quiet and report["scales"]["note"]:
         note(f"note: {report['scales']['note']}")

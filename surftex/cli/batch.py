@@ -6,6 +6,7 @@ from typing import Any
 
 from surftex.bake.batch import BatchResult, JobResult
 from surftex.cli.say import note, out
+from surftex.cli.watch import COMPILING
 from surftex.errors import InputError, RecipeError, SurftexError, WorkError
 from surftex.recipe.batch import REPORT, Batch, Job, load_batch
 
@@ -36,7 +37,7 @@ def run(options: Namespace) -> None:
     lending: Any = (
         cluster_workers(options.scheduler, options.workers, None if options.quiet else note)
         if options.scheduler
-        else local_workers(options.workers, starting=lambda: _warm(options))
+        else local_workers(options.workers, starting=lambda: _warm(batch, options))
     )
     with lending as workers, _Watch(options, len(batch.jobs)) as watch:
         result = run_batch(
@@ -46,18 +47,19 @@ def run(options: Namespace) -> None:
     _sum_up(batch, result, options)
 
 
-def _warm(options: Namespace) -> None:
+def _warm(batch: Batch, options: Namespace) -> None:
     """Compile kernels before there are several workers that would."""
     from surftex.kernels import store
 
-    if store.is_warm():
+    cold = store.cold(layer.kind for job in batch.jobs for layer in job.recipe.layer)
+    if not cold:
         return
     if not options.quiet:
-        note("compiling kernels, once; this takes most of a minute")
-    from surftex.bake.warming import warm
+        note(COMPILING)
+    from surftex.kernels.ahead import compile_all
 
-    warm()
-    store.mark_warm()
+    compile_all(cold)
+    store.mark_warm(cold)
 
 
 def _sum_up(batch: Batch, result: BatchResult, options: Namespace) -> None:

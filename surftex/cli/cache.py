@@ -4,8 +4,10 @@ import time
 from argparse import Namespace
 
 from surftex.cli.say import note, out
+from surftex.cli.watch import COMPILING
 from surftex.files import shelf
 from surftex.kernels import store
+from surftex.recipe.layer import MATERIALS
 
 
 def run(options: Namespace) -> None:
@@ -31,11 +33,11 @@ def run(options: Namespace) -> None:
             out(f"{store.folder()}: {count} files deleted\n{shelf.folder()}: {results} files deleted")
         return
     started = time.perf_counter()
-    if not store.is_warm() and not options.quiet:
-        note("compiling kernels, once; this takes most of a minute")
-    from surftex.bake.warming import warm
+    if store.cold(MATERIALS) and not options.quiet:
+        note(COMPILING)
+    from surftex.kernels.ahead import compile_all
 
-    warm()
-    store.mark_warm()
+    compile_all(MATERIALS)
+    store.mark_warm(MATERIALS)
     if not options.quiet:
         out(f"{store.folder()}: kernels are compiled, {time.perf_counter() - started:.1f} s")

@@ -48,14 +48,14 @@ def run(options: Namespace) -> None:
     names = [f"{stem}.glb", *exchange_names(stem, **recipe.bake.exchange), "features.npz", "report.json"]
     check_output(folder, names, overwrite=options.overwrite)
     growth = Growth(options.growth, options.frames)
-    cold = not store.is_warm("tile") and not options.quiet
-    with ColdWatch(cold=cold, quiet=options.quiet, verbose=options.verbose) as watch:
+    manner = {"threads": options.threads, "quiet": options.quiet, "verbose": options.verbose}
+    with ColdWatch(cold=store.cold(["cells"]), **manner) as watch:
         maps = bake_tile(recipe, side, growth=growth, threads=options.threads, progress=watch, stem=stem)
         paths = save_maps(
             maps, folder, recipe.bake, more=frames_of(maps, recipe, growth, options, watch), overwrite=options.overwrite,
             threads=options.threads, progress=watch,
         )  # fmt: skip
-    store.mark_warm("tile")
+    store.mark_warm(["cells"])
     report = json.loads((folder / "report.json").read_text("utf-8"))
     if not options.quiet:
         for warning in report["warnings"]:

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from contextlib import ExitStack
 from typing import Any
 
 from surftex.cli.say import note
@@ -130,24 +131,39 @@ class Watch:
             self.held.clear()
 
 
+COMPILING = "compiling kernels, once; this takes most of a minute"
+
+
 class ColdWatch(Watch):
     """Watch that tells when kernels are to be compiled, once the mesh is known to be good.
 
     Parameters
     ----------
-    cold : bool
-        Whether they are not there yet.
+    cold : tuple of str
+        Kinds of material whose kernels are not there yet.
+    threads : int or None
+        How many may be used; with more than one, a second process helps to compile.
     **manner : Any
         As for `Watch`.
     """
 
-    def __init__(self, *, cold: bool, **manner: Any) -> None:
+    def __init__(self, *, cold: tuple[str, ...], threads: int | None, **manner: Any) -> None:
         super().__init__(**manner)
-        self.cold = cold
+        self.cold, self.threads = cold, threads
+        self.helped = ExitStack()
 
     def __call__(self, stage: str, share: float) -> None:
         """As `Watch`."""
         if self.cold and stage != "load":
-            self.cold = False
-            note("compiling kernels, once; this takes most of a minute")
+            self.say(COMPILING)
+            from surftex.kernels.ahead import second_process
+            from surftex.kernels.pool import thread_count
+
+            if thread_count(self.threads) > 1:
+                self.helped.enter_context(second_process(self.cold))
+            self.cold = ()
         super().__call__(stage, share)
+
+    def __exit__(self, *problem: Any) -> None:
+        self.helped.close()
+        super().__exit__(*problem)

@@ -22,6 +22,7 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(platformdirs.user_cache_dir("s
 
 import numba  # after the line above: the cache folder is read when numba is imported
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.types import unliteral
 
 Result = TypeVar("Result")
 Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
@@ -124,11 +125,32 @@ def kernel(function: Callable[..., Result]) -> Callable[..., Result]:
     compiled.compile = compile_undisturbed
     with suppress(RuntimeError):  # no folder can be written: compiled anew in every process
         compiled._cache = _Cache(function)
+    return _once_for_all_numbers(compiled)
+
+
+def part(function: Callable[..., Result]) -> Callable[..., Result]:
+    """Compile what only kernels call into them, without the door that Python would need.
+
+    Parameters
+    ----------
+    function : callable
+        It makes no arrays, and returns none.
+
+    Returns
+    -------
+    part : callable
+        Of the same arguments.
+    """
+    return _once_for_all_numbers(numba.njit(**_ALL, **_INNER)(function))
+
+
+def _once_for_all_numbers(compiled: Any) -> Any:
+    """Keep numba from typing and lowering a function anew for each number that is written out in a call of it."""
+    usual = compiled.get_call_template
+
+    def template(arguments: Any, named: Any) -> Any:
+        plain = tuple(map(unliteral, arguments))
+        return usual(plain, {name: unliteral(kind) for name, kind in named.items()})
+
+    compiled.get_call_template = template
     return compiled
-
-
-part: Decorator = numba.njit(**_ALL, **_INNER)
-"""Decorator of what only kernels call: compiled into them, without the door that Python would need.
-
-A part makes no arrays, and returns none.
-"""

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import re
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -24,37 +25,34 @@ def folder() -> Path:
     return Path(given) if given else _own_folder()
 
 
-def is_warm(work: str = "bake") -> bool:
-    """Tell whether the kernels of this version have been compiled and kept.
+def cold(kinds: Iterable[str]) -> tuple[str, ...]:
+    """Tell for which kinds of material the kernels of this version have not been compiled and kept.
 
     Parameters
     ----------
-    work : str
-        What they are for; a bake compiles most of them.
+    kinds : iterable of str
+        Such as "leather".
 
     Returns
     -------
-    warm : bool
-        False before the first bake, and after an update that changed a kernel.
+    cold : tuple of str
+        Those before the first bake of their kind, and after an update that changed a kernel; sorted.
     """
-    return _marker(work).exists()
+    return tuple(kind for kind in sorted(set(kinds)) if not _marker(kind).exists())
 
 
-def mark_warm(work: str = "bake") -> None:
+def mark_warm(kinds: Iterable[str]) -> None:
     """Note that the kernels of this version are compiled; a folder that cannot be written stays cold.
 
     Parameters
     ----------
-    work : str
-        As for `is_warm`.
+    kinds : iterable of str
+        As for `cold`.
     """
-    if is_warm(work):
-        return
-    try:
-        folder().mkdir(parents=True, exist_ok=True)
-        _marker(work).touch()
-    except OSError:
-        return
+    for kind in cold(kinds):
+        with suppress(OSError):
+            folder().mkdir(parents=True, exist_ok=True)
+            _marker(kind).touch()
 
 
 def clear() -> int:
@@ -85,7 +83,10 @@ def _compiled() -> list[Path]:
         sources = Path(__file__).parent.parent.rglob("*.py")
         named = UserProvidedCacheLocator.get_suitable_cache_subpath
         places = [folder() / name for name in sorted({named(str(source)) for source in sources})]
-    return [path for place in places for path in _files(place) if path.suffix in (".nbi", ".nbc")]
+    ours = (".nbi", ".nbc")
+    return [
+        path for place in places for path in _files(place) if {*path.suffixes} & {*ours}
+    ]  # or begun: .nbc.tmp.1f
 
 
 def _own_folder() -> Path:
@@ -96,8 +97,8 @@ def _files(where: Path) -> list[Path]:
     return [path for path in where.iterdir() if path.is_file()] if where.is_dir() else []
 
 
-def _marker(work: str) -> Path:
-    return folder() / f"warm-{_version()}{'' if work == 'bake' else f'-{work}'}"
+def _marker(kind: str) -> Path:
+    return folder() / f"warm-{_version()}-{kind}"
 
 
 @cache

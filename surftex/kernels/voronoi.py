@@ -12,6 +12,8 @@ connected: triangles with a site that shows on no side are cut.
 
 import math
 
+import numpy as np
+
 from surftex.kernels.buckets import bucket_of
 from surftex.kernels.evaluate import distance_to
 from surftex.kernels.jit import kernel, part
@@ -175,7 +177,7 @@ def edge_nodes(face, edge, faces, found, scale, vertex_owner, todo, todo_owner, 
     flat = found[0]
     count = 0
     for e in range(len(face)):
-        f, i = face[e], edge[e]
+        f, i = np.int64(face[e]), edge[e]
         j = i + 1 if i < 2 else 0
         one, two = vertex_owner[faces[f, i]], vertex_owner[faces[f, j]]
         edge_count[e] = 0
