@@ -49,7 +49,7 @@ def test_long_work_in_a_log_has_a_line_for_each_stage(clock, capsys):
 
 def test_short_work_in_a_log_has_none_and_quiet_never(clock, capsys):
     for quiet, seconds in ((False, PATIENCE_S / 4), (True, 100.0)):
-        with ColdWatch(cold=False, quiet=quiet) as told:
+        with ColdWatch(cold=(), threads=1, quiet=quiet) as told:
             for name in ("load", "place", "bake"):
                 stage(told, clock, name, seconds)
     assert capsys.readouterr().err == ""

@@ -28,12 +28,27 @@ Result = TypeVar("Result")
 Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
 
 _ALL: dict[str, Any] = {"error_model": "numpy", "nogil": True}
+_OUTER: dict[str, Any] = {"no_cfunc_wrapper": True}
 _INNER: dict[str, Any] = {
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,
     "forceinline": True,
     "_nrt": False,  # arrays are lent to parts: counting references to them took two thirds of a flood
 }
+
+
+class _Files(IndexDataCacheFile):
+    """Files of a kernel, each named by what is in it, so that processes that compile at once cannot mistake them.
+
+    numba numbers them, and tells of one before it is there.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep what was compiled, then tell of it."""
+        what = hashlib.blake2b(repr((self._source_stamp, key)).encode(), digest_size=8).hexdigest()
+        name = f"{Path(self._index_name).stem}.{what}.nbc"
+        self._save_data(name, data)
+        self._save_index({**self._load_index(), key: name})
 
 
 class _Cache(FunctionCache):
@@ -47,7 +62,7 @@ class _Cache(FunctionCache):
         source = Path(function.__code__.co_filename)
         if source.is_file():  # the cell of a notebook has a stamp of its own
             impl: Any = self._impl
-            self._cache_file = IndexDataCacheFile(
+            self._cache_file = _Files(
                 cache_path=self._cache_path,
                 filename_base=impl.filename_base,
                 source_stamp=source_stamp(source),
@@ -114,7 +129,7 @@ def kernel(function: Callable[..., Result]) -> Callable[..., Result]:
     kernel : callable
         Of the same arguments.
     """
-    compiled: Any = numba.njit(**_ALL, no_cfunc_wrapper=True)(function)
+    compiled: Any = numba.njit(**_ALL, **_OUTER)(function)
     usual = compiled.compile
 
     def compile_undisturbed(signature: Any) -> Any:
