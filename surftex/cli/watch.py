@@ -155,13 +155,13 @@ class ColdWatch(Watch):
     def __call__(self, stage: str, share: float) -> None:
         """As `Watch`."""
         if self.cold and stage != "load":
+            kinds, self.cold = self.cold, ()  # first of all: stages of several threads come here
             self.say(COMPILING)
             from surftex.kernels.ahead import second_process
             from surftex.kernels.pool import thread_count
 
             if thread_count(self.threads) > 1:
-                self.helped.enter_context(second_process(self.cold))
-            self.cold = ()
+                self.helped.enter_context(second_process(kinds))
         super().__call__(stage, share)
 
     def __exit__(self, *problem: Any) -> None:

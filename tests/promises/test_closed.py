@@ -1,4 +1,4 @@
-"""What a bake touches: no network, no program but the unwrapper's child, and no file but those that it was told to write."""
+"""What a bake touches: no network, no program but its own children that unwrap and compile, and no file but those that it was told to write."""
 
 import os
 import subprocess
@@ -59,7 +59,7 @@ def test_a_bake_touches_its_output_its_caches_and_nothing_else(tmp_path, monkeyp
     for line in process.stdout.splitlines():
         event, _, what = line.partition(" ")
         if event == "subprocess.Popen":
-            assert "xatlas" in what, line
+            assert "xatlas" in what or "surftex.kernels.ahead" in what, line
             continue
         assert event in ("open", "os.rename", "os.remove", "os.mkdir", "os.rmdir"), line
         path = Path(what)
