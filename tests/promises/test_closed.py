@@ -1,4 +1,4 @@
-"""What a bake touches: no network, no program but its own children that unwrap and compile, and no file but those that it was told to write."""
+"""What a bake touches: no network, no program but its own children, and no file but those that it was told to write."""
 
 import os
 import subprocess
