@@ -10,6 +10,7 @@ between them.
 """
 
 import time
+from dataclasses import replace
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -28,6 +29,7 @@ from surftex.charts.xatlas_run import xatlas_charts
 from surftex.errors import InputError, WorkError
 from surftex.kernels.pool import Tick
 from surftex.surface.surface import Surface
+from surftex.words import by_count
 
 Method = Literal["auto", "xatlas", "uvunwrap"]
 
@@ -36,6 +38,9 @@ XATLAS_FACES = 20_000
 
 LEAST_COVERAGE = 0.3
 """Share of the page that charts should cover; the default gutter shrinks for it."""
+
+SPARSE_COVERAGE = LEAST_COVERAGE / 2
+"""Share of the page below which a note says that gutters leave little of it to the surface."""
 
 PACKED_SHARE = 0.85
 """Share of the page that charts and gutters cover together once they are packed."""
@@ -162,9 +167,10 @@ def unwrap(
             f"{cut.sum()} of {len(surface.faces)} faces lie in charts of their own: "
             "they came out folded, stretched or beside a notch"
         )
-    return Atlas.of(
-        surface, packed, unwrapper=wanted, resolution=resolution, gutter_px=gutter, notes=tuple(notes)
-    )
+    made = Atlas.of(surface, packed, unwrapper=wanted, resolution=resolution, gutter_px=gutter)
+    if texels_per_mm is None:
+        notes.extend(_sparse(surface, made))
+    return replace(made, notes=tuple(notes))
 
 
 def tiles_for(surface: Surface, texels_per_mm: float, resolution: int) -> int:
@@ -230,6 +236,21 @@ def _affordable(surface: Surface, drawn: Atlas, resolution: int, gutter: int) ->
                 break
         gutter //= 2
     return gutter
+
+
+def _sparse(surface: Surface, atlas: Atlas) -> list[str]:
+    """Tell where gutters fill the page and leave little of it to the surface; long thin charts may do so without them."""
+    density = atlas.texels_per_mm(surface, atlas.resolution)
+    covered = surface.area_mm2 * density**2 / atlas.resolution**2
+    border_px = float(surface.edge_length[atlas.seam].sum()) * density
+    gutters = border_px * atlas.gutter_px + np.pi * atlas.gutter_px**2 * atlas.chart_count
+    if covered >= SPARSE_COVERAGE or gutters < PACKED_SHARE / 2 * atlas.resolution**2:
+        return []
+    return [
+        f"the surface covers {100 * covered:.2g} % of the page at {atlas.resolution}: the rest goes to gutters of "
+        f"{by_count(atlas.gutter_px, '{} texel', '{} texels')} around {atlas.chart_count} charts; a larger resolution "
+        "(--resolution) or a smaller gutter (bake.gutter) would do"
+    ]
 
 
 def unit_vertices(vertices: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -13,7 +13,7 @@ from surftex.charts import xatlas_run
 from surftex.charts.atlas import Atlas
 from surftex.charts.gate import gate
 from surftex.charts.quality import face_quality
-from surftex.charts.unwrap import unwrap
+from surftex.charts.unwrap import SPARSE_COVERAGE, unwrap
 from surftex.errors import InputError
 from surftex.surface.shapes import cylinder, plane, sphere, torus
 from surftex.surface.surface import Surface
@@ -94,14 +94,37 @@ def test_texels_are_equally_large_everywhere():
     assert np.ptp(quality.density) < 1e-3 * quality.density.mean()
 
 
-def test_a_full_page_gets_smaller_gaps_and_says_so():
+def many_balls():
+    """64 balls beside each other: at least as many charts."""
     ball = sphere(10.0, subdivisions=1)
     points = np.concatenate([np.add(ball.vertices, [30 * i, 30 * j, 0]) for i in range(8) for j in range(8)])
     faces = np.concatenate([ball.faces + k * len(ball.vertices) for k in range(64)])
-    many = Surface.from_arrays(points, faces)
-    atlas = unwrap(many, method="uvunwrap", resolution=128, gutter_px=24)
+    return Surface.from_arrays(points, faces)
+
+
+def test_a_full_page_gets_smaller_gaps_and_says_so():
+    atlas = unwrap(many_balls(), method="uvunwrap", resolution=128, gutter_px=24)
     assert atlas.gutter_px < 24
     assert any("no room for 24 free texels" in note for note in atlas.notes)
+
+
+def test_gutters_that_leave_little_of_the_page_are_told_of():
+    many = many_balls()
+    sparse = unwrap(many, method="uvunwrap", resolution=128, gutter_px=2)
+    share = many.area_mm2 * (sparse.texels_per_mm(many, 128) / 128) ** 2
+    assert share < SPARSE_COVERAGE
+    (note,) = sparse.notes
+    assert f"covers {100 * share:.2g} % of the page at 128" in note
+    assert f"gutters of 2 texels around {sparse.chart_count} charts" in note
+    for resolution, gutter_px in ((512, None), (128, 0)):
+        assert unwrap(many, method="uvunwrap", resolution=resolution, gutter_px=gutter_px).notes == ()
+
+
+def test_long_thin_charts_are_no_matter_of_gutters():
+    rod = cylinder(1.0, 1000.0)
+    atlas = unwrap(rod, method="uvunwrap", resolution=512)
+    assert rod.area_mm2 * (atlas.texels_per_mm(rod, 512) / 512) ** 2 < SPARSE_COVERAGE
+    assert atlas.notes == ()
 
 
 def test_atlas_finds_seams_by_both_ends():
@@ -179,7 +202,7 @@ def test_progress_runs_from_zero_to_one():
 def test_works_from_a_script_without_a_guard_and_without_stdin(tmp_path):
     script = tmp_path / "plain.py"
     script.write_text(
-        "from surftex.charts.unwrap import unwrap\n"
+        "from surftex.charts.unwrap import SPARSE_COVERAGE, unwrap\n"
         "from surftex.surface.shapes import sphere\n"
         "print(unwrap(sphere(subdivisions=2), method='xatlas', resolution=128).unwrapper)\n"
     )
