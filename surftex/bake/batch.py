@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
@@ -166,11 +166,13 @@ def run_batch(
     try:
         return run.all()
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(run.cut_short("interrupted")) from None
-    finally:
-        if run.flights:
-            workers.abandon()
+        how_to_go_on = ""
+        with suppress(KeyboardInterrupt), undisturbed():  # asked once more, it ends all the same
+            how_to_go_on = run.cut_short("interrupted")
             run.leave()
+        raise KeyboardInterrupt(how_to_go_on) from None
+    finally:
+        run.leave()
 
 
 class _Flight:
@@ -342,8 +344,11 @@ class _Run:
         return result
 
     def leave(self) -> None:
-        """Let go of what is being done when the batch is cancelled; the workers must be gone by then."""
-        for flight in self.flights.values():
+        """End the workers where the batch is cancelled, and let go of what they were doing."""
+        if self.flights:
+            self.workers.abandon()
+        while self.flights:
+            _, flight = self.flights.popitem()
             with flight.lock:
                 clear_remains(self.folder(flight.index))
 

@@ -39,11 +39,14 @@ def run(options: Namespace) -> None:
         if options.scheduler
         else local_workers(options.workers, starting=lambda: _warm(batch, options))
     )
-    with lending as workers, _Watch(options, len(batch.jobs)) as watch:
-        result = run_batch(
-            batch, workers, resume=options.resume, keep_going=options.keep_going, overwrite=options.overwrite,
-            by_bytes=bool(options.scheduler) and not options.shared_files, told=watch,
-        )  # fmt: skip
+    try:
+        with lending as workers, _Watch(options, len(batch.jobs)) as watch:
+            result = run_batch(
+                batch, workers, resume=options.resume, keep_going=options.keep_going, overwrite=options.overwrite,
+                by_bytes=bool(options.scheduler) and not options.shared_files, told=watch,
+            )  # fmt: skip
+    except KeyboardInterrupt as cut:
+        raise KeyboardInterrupt(str(cut) or "interrupted; the same command goes on") from None
     _sum_up(batch, result, options)
 
 

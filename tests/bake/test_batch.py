@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import surftex
-from surftex.bake import jobs
+from surftex.bake import batch, jobs
 from surftex.bake.batch import run_batch
 from surftex.bake.jobs import LOCKS, job_contents, job_key, job_lock
 from surftex.errors import InputError, WorkError
@@ -472,6 +472,35 @@ def test_an_interrupted_batch_says_what_is_done_and_reports_it(studio):
     assert report["states"] == {"done": 2, "kept": 0, "failed": 0, "not started": 2}
     assert {job["reason"] for job in report["jobs"]} == {None, "interrupted"}
     assert done_in(studio).count("kept") >= 2
+
+
+@pytest.mark.parametrize("moment", ["report", "abandon"])
+def test_an_interrupt_that_comes_twice_ends_a_batch_as_one_does(studio, monkeypatch, moment):
+    def told(result, ended, total):
+        if ended == 1:
+            signal.raise_signal(signal.SIGINT)
+
+    def disturbed(work):
+        def again(*arguments):
+            signal.raise_signal(signal.SIGINT)
+            return work(*arguments)
+
+        return again
+
+    if moment == "report":
+        monkeypatch.setattr(batch, "write_report", disturbed(batch.write_report))
+    else:
+        monkeypatch.setattr(Here, "abandon", disturbed(Here.abandon))
+    workers = Here()
+    with pytest.raises(
+        KeyboardInterrupt, match=r"^interrupted; 1 of 4 jobs are done, the same command goes on$"
+    ):
+        run_batch(load_batch(studio / "jobs.toml"), workers, told=told)
+    assert json.loads((studio / "out" / "batch-report.json").read_text())["states"]["done"] == 1
+    workers.pool.shutdown(wait=True)
+    assert [path.name for path in (studio / "out").glob(".*")] == [LOCKS]
+    monkeypatch.undo()
+    assert done_in(studio).exit_code == 0
 
 
 def started(studio, *more):
