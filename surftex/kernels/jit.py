@@ -25,7 +25,6 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.types import unliteral
 
 Result = TypeVar("Result")
-Decorator = Callable[[Callable[..., Result]], Callable[..., Result]]
 
 _ALL: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 _OUTER: dict[str, Any] = {"no_cfunc_wrapper": True}
